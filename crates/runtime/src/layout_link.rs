@@ -6,7 +6,11 @@
 use miniz_oxide::deflate::compress_to_vec;
 use miniz_oxide::inflate::{TINFLStatus, decompress_to_vec_with_limit};
 
-use ademan_core::document::MAX_DOCUMENT_BYTES;
+use ademan_core::document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
+use ademan_core::layout::Layout;
+
+/// The page of `ademan serve` on this machine.
+pub const LOCAL_PAGE: &str = "http://127.0.0.1:8081/";
 
 /// The start of the fragment.
 const FRAGMENT: &str = "#layout=";
@@ -40,6 +44,20 @@ pub enum LayoutLinkError {
 pub fn is_layout_link(name: &str) -> bool {
     let is_address = name.starts_with("https://") || name.starts_with("http://");
     is_address && name.contains(FRAGMENT)
+}
+
+/// Returns the link to the layout of a document at the address of a page, whose own fragment is left out.
+///
+/// # Errors
+/// If the layout has faults, or is larger than a file may be.
+pub fn share_layout(page: &str, document: Document) -> Result<String, DocumentError> {
+    if document.text.len() as u64 > MAX_DOCUMENT_BYTES {
+        let message = "the layout is larger than 1 MiB";
+        return Err(DocumentError::for_file(&document.file, message));
+    }
+    let layout = Layout::from_document(document)?;
+    let page = page.split('#').next().unwrap_or_default();
+    Ok(layout_link(page, &layout.text))
 }
 
 /// Returns the link to a layout at the address of a page, without a fragment.
@@ -89,7 +107,7 @@ fn from_base64(encoded: &str) -> Option<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ademan_core::document::{Document, shipped_layouts};
+    use ademan_core::document::shipped_layouts;
 
     #[test]
     fn every_layout_passes_through_a_link() {
@@ -100,6 +118,21 @@ mod tests {
             assert_eq!(layout_in_link(&link), Ok(text));
         }
         assert!(!is_layout_link("layouts/#layout=x.ron"));
+    }
+
+    #[test]
+    fn only_a_layout_that_others_can_use_is_shared() {
+        let document = Document::shipped("numpad").unwrap();
+        let text = document.text.clone();
+        let link = share_layout("https://example.org/a/#b", document).unwrap();
+        assert!(link.starts_with("https://example.org/a/#layout="), "{link}");
+        assert_eq!(layout_in_link(&link), Ok(text));
+        let shared = |own: &str| share_layout(LOCAL_PAGE, Document::new("a.ron", own));
+        let faulty = shared("Layout(name: \"a\", bords: [])").unwrap_err();
+        assert!(faulty.to_string().contains("bords"), "{faulty}");
+        let large = format!("Layout(name: \"a\"){}", " ".repeat(1 << 20));
+        let large = shared(&large).unwrap_err().to_string();
+        assert!(large.contains("larger than 1 MiB"), "{large}");
     }
 
     #[test]

@@ -3,8 +3,10 @@
 use std::collections::VecDeque;
 use std::fmt;
 
+use ademan_core::contact::TargetId;
 use ademan_core::device::{EventKind, KeyCode, OutputEvent};
 use ademan_core::hand::{Dof, Finger, FingerSet, Side};
+use ademan_core::snapshot::Snapshot;
 use ademan_core::time::Timestamp;
 
 /// Seconds that are kept.
@@ -15,6 +17,9 @@ const MAX_MOMENTS: usize = 12_000;
 
 /// The most events that are kept: 30 s at the default limit of the rate of presses.
 const MAX_EVENTS: usize = 3_000;
+
+/// The longest time between two values of a control that is still moved: together they are one entry.
+const MAX_PAUSE_SECONDS: f64 = 0.3;
 
 /// The plotted values of one step. A value that is not known is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,11 +101,31 @@ impl fmt::Display for SentKey {
     }
 }
 
-/// The moments and events of the last [`SECONDS`], oldest first.
+/// The value at which a control was left, or at which it is while it is moved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SentValue {
+    /// Time of the latest value.
+    pub time: Timestamp,
+    /// The control, or one of its values if it has several.
+    pub target: TargetId,
+    /// Its name.
+    pub name: String,
+    /// 0..=1, a number of turns, or 1 for on.
+    pub value: f32,
+}
+
+impl fmt::Display for SentValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {:.2}", self.name, self.value)
+    }
+}
+
+/// The moments, events and values of the last [`SECONDS`], oldest first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
     moments: VecDeque<Moment>,
     events: VecDeque<SentEvent>,
+    values: VecDeque<SentValue>,
 }
 
 impl History {
@@ -117,6 +142,9 @@ impl History {
         }
         while self.events.front().is_some_and(|first| is_old(first.time)) {
             self.events.pop_front();
+        }
+        while self.values.front().is_some_and(|first| is_old(first.time)) {
+            self.values.pop_front();
         }
         self.moments.push_back(moment);
     }
@@ -137,6 +165,38 @@ impl History {
         self.events.push_back(event);
     }
 
+    /// Adds the values of a snapshot. A control that is moved has one entry until it rests, and not one for each reading.
+    pub fn push_values(&mut self, snapshot: &Snapshot) {
+        for event in &snapshot.events {
+            if let EventKind::Value(target, value) = event.kind {
+                let name = snapshot.target_names.get(target);
+                self.push_value(SentValue {
+                    time: event.time,
+                    target,
+                    name: name.to_string(),
+                    value,
+                });
+            }
+        }
+    }
+
+    /// Adds a value, which replaces the one before if the control is still moved.
+    pub fn push_value(&mut self, sent: SentValue) {
+        let is_moved = |last: &SentValue| {
+            sent.time.since(last.time).as_secs_f64() <= MAX_PAUSE_SECONDS
+                && last.target == sent.target
+        };
+        // A control with two values sends both.
+        let last = self.values.iter().rev().take(2).position(is_moved);
+        if let Some(index) = last {
+            self.values.remove(self.values.len() - 1 - index);
+        }
+        if self.values.len() == MAX_EVENTS {
+            self.values.pop_front();
+        }
+        self.values.push_back(sent);
+    }
+
     /// Returns the time of the latest moment.
     pub fn end(&self) -> Option<Timestamp> {
         self.moments.back().map(|last| last.time)
@@ -155,6 +215,11 @@ impl History {
     /// Iterates over the events, oldest first.
     pub fn events(&self) -> impl Iterator<Item = &SentEvent> {
         self.events.iter()
+    }
+
+    /// Iterates over the values of controls, oldest first.
+    pub fn values(&self) -> impl Iterator<Item = &SentValue> {
+        self.values.iter()
     }
 
     /// Returns the latest moment at or before a time, or the first one.
@@ -203,6 +268,31 @@ mod tests {
         let mut history = History::default();
         (0..2 * MAX_EVENTS as u64).for_each(|second| history.push_event(press(second)));
         assert_eq!(history.events().count(), MAX_EVENTS);
+    }
+
+    fn value(seconds: f64, target: u32, value: f32) -> SentValue {
+        SentValue {
+            time: Timestamp::from_seconds(seconds),
+            target: TargetId(target),
+            name: format!("Fader {target}"),
+            value,
+        }
+    }
+
+    #[test]
+    fn a_control_that_is_moved_has_one_entry_with_its_last_value() {
+        let mut history = History::default();
+        for step in 0..100_u16 {
+            let seconds = f64::from(step) / 100.0;
+            let part = f32::from(step) / 100.0;
+            history.push_value(value(seconds, 1, part));
+            history.push_value(value(seconds, 2, 1.0 - part));
+        }
+        history.push_value(value(2.0, 1, 0.5));
+        let shown: Vec<String> = history.values().map(ToString::to_string).collect();
+        assert_eq!(shown, ["Fader 1 0.99", "Fader 2 0.01", "Fader 1 0.50"]);
+        (3..40).for_each(|second| history.push(moment(second)));
+        assert_eq!(history.values().count(), 0, "they are older than 30 s");
     }
 
     #[test]

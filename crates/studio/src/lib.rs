@@ -51,6 +51,7 @@ pub mod playback;
 pub mod plot;
 pub mod pose_picture;
 pub mod recent;
+mod recordings;
 pub mod scene;
 pub mod sensor_control;
 pub mod sensors;

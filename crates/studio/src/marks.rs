@@ -1,12 +1,14 @@
 //! The marks on fronts of controls - handles, scales, labels - on a picture.
 
+use std::collections::BTreeMap;
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 use parry3d::math::Vec2;
 
 use super::picture::{Color, Label, Picture, with_known_signs};
 use super::scene::SceneColors;
-use ademan_core::layout::{FrontMark, MarkRole, MarkShape};
+use ademan_core::contact::TargetId;
+use ademan_core::layout::{FrontMark, Layout, MarkRole, MarkShape};
 
 /// Height of a capital letter as a fraction of the height of its font.
 const CAPITAL_HEIGHT: f32 = 0.72;
@@ -28,6 +30,30 @@ pub struct FrontView<'a> {
     pub colors: &'a SceneColors,
     /// The control is pressed.
     pub is_lit: bool,
+}
+
+/// Returns the marks on a front with the numbers of its values after its label, at a number of points per millimetre. Where that is
+/// too small to be read, the label has the room alone. `None` if the target is no control with marks.
+pub fn valued_marks(
+    layout: &Layout,
+    target: TargetId,
+    values: &BTreeMap<TargetId, f32>,
+    scale: f32,
+) -> Option<Vec<FrontMark>> {
+    let value = |of: TargetId| values.get(&of).copied();
+    let plain = layout.front_marks(target, value)?;
+    let numbered = layout.numbered_front_marks(target, value)?;
+    let is_readable = |mark: &FrontMark| match &mark.shape {
+        MarkShape::Text { size, .. } => size * CAPITAL_HEIGHT * scale >= MIN_LABEL_PT,
+        _ => true,
+    };
+    // Other texts, such as the turns of a wheel, may be smaller.
+    let mut added = numbered.iter().filter(|mark| !plain.contains(mark));
+    if added.all(is_readable) {
+        Some(numbered)
+    } else {
+        Some(plain)
+    }
 }
 
 /// Adds marks to a picture, from below to above.
@@ -175,7 +201,6 @@ fn rounded(half: Vec2, radius: f32) -> Vec<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ademan_core::layout::Layout;
     use ademan_runtime::files::Load;
 
     #[test]
@@ -188,6 +213,26 @@ mod tests {
         };
         assert_eq!(view.color(MarkRole::Cap), SceneColors::DARK.lit);
         assert_eq!(view.color(MarkRole::Label), SceneColors::DARK.lit_label);
+    }
+
+    #[test]
+    fn a_number_that_cannot_be_read_leaves_the_room_to_the_label() {
+        let words = |file: &str, name: &str, scale: f32| -> String {
+            let layout = Layout::load(file).unwrap();
+            let knob = layout.target_names().find(name).unwrap();
+            let values = BTreeMap::from([(knob, 0.25)]);
+            let marks = valued_marks(&layout, knob, &values, scale).unwrap();
+            let texts = marks.into_iter().filter_map(|mark| match mark.shape {
+                MarkShape::Text { text, .. } => Some(text),
+                _ => None,
+            });
+            texts.collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(words("mixer", "Balance 1", 8.0), "Bal 0.25");
+        assert_eq!(words("mixer", "Balance 1", 1.5), "Bal");
+        // Its turns cannot be read at this scale.
+        let wheel = words("steering-wheel", "Wheel", 2.0);
+        assert!(wheel.contains("Wheel 0.25"), "{wheel}");
     }
 
     #[test]

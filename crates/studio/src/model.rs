@@ -40,6 +40,8 @@ pub struct StudioModel {
     pub view: View,
     /// The latest pose of each hand that is tracked, by side.
     pub poses: [Option<HandPose>; Side::COUNT],
+    /// A hand beside the boards that touches nothing and is only drawn.
+    pub resting: Option<HandPose>,
     /// The paths of the fingertips, by side and finger.
     pub trails: [[Trail; Finger::COUNT]; Side::COUNT],
     /// Contacts, by side and finger.
@@ -76,6 +78,7 @@ impl StudioModel {
         Self {
             view,
             poses: [None; Side::COUNT],
+            resting: None,
             trails: Default::default(),
             contacts: Default::default(),
             angles: None,
@@ -244,6 +247,7 @@ impl StudioModel {
                     .map_or(f32::NAN, |latency| latency.as_secs_f32() * 1e3),
             });
         }
+        self.history.push_values(snapshot);
         for event in snapshot.events.iter().filter_map(SentEvent::new) {
             self.history.push_event(event);
         }

@@ -1,4 +1,4 @@
-//! The files of layouts that were opened last.
+//! The files that were opened last.
 
 use std::path::{self, Path};
 
@@ -7,12 +7,12 @@ use serde::{Deserialize, Serialize};
 /// The most files that are kept.
 pub const MAX_RECENT: usize = 8;
 
-/// Files of layouts, the latest first, each once.
+/// Files, the latest first, each once.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct RecentLayouts(Vec<String>);
+pub struct RecentFiles(Vec<String>);
 
-impl RecentLayouts {
+impl RecentFiles {
     /// Moves a file to the front. The oldest one is dropped if there are too many. A path that is not UTF-8 is left out.
     pub fn push(&mut self, file: &Path) {
         let Ok(file) = path::absolute(file) else {
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn the_latest_files_are_kept_each_once() {
-        let mut recent = RecentLayouts::default();
+        let mut recent = RecentFiles::default();
         for number in 0..20 {
             recent.push(Path::new(&format!("/layouts/{number}.ron")));
         }
@@ -69,6 +69,6 @@ mod tests {
     #[test]
     fn a_long_list_of_a_file_is_shortened() {
         let names: Vec<String> = (0..100).map(|number| number.to_string()).collect();
-        assert_eq!(RecentLayouts(names).checked().iter().count(), MAX_RECENT);
+        assert_eq!(RecentFiles(names).checked().iter().count(), MAX_RECENT);
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::camera::Camera;
-use super::recent::RecentLayouts;
+use super::recent::RecentFiles;
 use super::texts::Language;
 use ademan_runtime::sound::DEFAULT_VOLUME;
 
@@ -50,7 +50,9 @@ pub struct Settings {
     /// The simulated hand.
     pub hand: HandSettings,
     /// The files of layouts that were opened last.
-    pub recent_layouts: RecentLayouts,
+    pub recent_layouts: RecentFiles,
+    /// The recordings that were chosen last.
+    pub recent_recordings: RecentFiles,
 }
 
 /// A choice of colours.
@@ -147,7 +149,8 @@ impl Default for Settings {
             overlay: OverlaySettings::default(),
             sound: SoundSettings::default(),
             hand: HandSettings::default(),
-            recent_layouts: RecentLayouts::default(),
+            recent_layouts: RecentFiles::default(),
+            recent_recordings: RecentFiles::default(),
         }
     }
 }
@@ -186,6 +189,7 @@ impl Settings {
         self.overlay.opacity = in_range(self.overlay.opacity, (MIN_OPACITY, 1.0), 0.8);
         self.sound.volume = in_range(self.sound.volume, (0.0, 1.0), DEFAULT_VOLUME);
         self.recent_layouts = self.recent_layouts.checked();
+        self.recent_recordings = self.recent_recordings.checked();
         self.hand.speed = in_range(self.hand.speed, HAND_SPEEDS, 1.0);
         self.hand.noise = in_range(self.hand.noise, HAND_NOISES, 0.0);
         let is_finite = |position: &[f32; 2]| position.iter().all(|value| value.is_finite());

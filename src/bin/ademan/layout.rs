@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use ademan::document::{Document, DocumentError, shipped_layouts};
 use ademan::files::{Load, own_layouts};
 use ademan::layout::{Layout, mirror_layout};
+use ademan::layout_link::LOCAL_PAGE;
 use ademan::setup::ArmSetup;
 
 use crate::failure::Failure;
@@ -72,7 +73,7 @@ enum Action {
         #[arg(add = complete::layout())]
         file: String,
         /// Address of the page
-        #[arg(long, value_name = "URL", default_value = "http://127.0.0.1:8081/")]
+        #[arg(long, value_name = "URL", default_value = LOCAL_PAGE)]
         page: String,
     },
     /// List the names of keys, with aliases and codes

@@ -1,9 +1,9 @@
 //! Layouts from links, which other people made.
 
-use ademan::document::Document;
-use ademan::files::{self, Load};
+use ademan::document::{Document, FileKind};
+use ademan::files::{self, OpenDocument};
 use ademan::layout::Layout;
-use ademan::layout_link::{is_layout_link, layout_in_link, layout_link};
+use ademan::layout_link::{is_layout_link, layout_in_link, share_layout};
 use ademan::message::{escape, escape_path};
 
 use crate::failure::Failure;
@@ -71,8 +71,7 @@ fn checksum(text: &str) -> u64 {
 /// Prints the link to a layout.
 pub fn print(file: &str, page: &str) -> Result<(), Failure> {
     use std::io::Write;
-    let layout = Layout::load(file)?;
-    let page = page.split('#').next().unwrap_or_default();
-    writeln!(std::io::stdout(), "{}", layout_link(page, &layout.text))?;
+    let link = share_layout(page, Document::open_kind(FileKind::Layout, file)?)?;
+    writeln!(std::io::stdout(), "{link}")?;
     Ok(())
 }

@@ -1,5 +1,9 @@
 //! The window of the devices: source, glove, person, outputs and profile, each chosen while the session runs.
 
+use std::fs;
+use std::path::Path;
+
+use ademan::capture::SourceUri;
 use ademan::setup::{ProfileSetup, Setup};
 use ademan::studio::texts::text;
 use egui::accesskit::Role;
@@ -130,4 +134,37 @@ fn a_profile_of_the_setup_is_chosen_by_its_name() {
         app.model().view.state.profile == "numbers"
     });
     window.picture("devices-profiles");
+}
+
+#[test]
+fn recordings_beside_one_that_was_played_are_chosen_like_ports() {
+    let recordings = tempfile::tempdir().expect("a folder");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../recordings");
+    for name in ["hc11.mcap", "hc11-hash.mcap"] {
+        fs::copy(shipped.join(name), recordings.path().join(name)).expect("a copy");
+    }
+    let path = |name: &str| recordings.path().join(name);
+    let (mut window, _folder) = open_on("qwerty-flat");
+    assert!(!window.has("hc11-hash.mcap"));
+    let first = path("hc11.mcap");
+    window.enter(
+        text("devices-recording"),
+        first.to_str().expect("a readable path"),
+    );
+    let source = |path| Some(SourceUri::Recording { path });
+    assert_eq!(window.setup().source, source(first.clone()));
+    window.picture("devices-recordings");
+    window.click("hc11-hash.mcap");
+    assert_eq!(window.setup().source, source(path("hc11-hash.mcap")));
+    let used = window.app().settings().recent_recordings.clone();
+    let names: Vec<&str> = used.iter().collect();
+    assert_eq!(names.len(), 2, "{names:?}");
+    assert!(names[0].ends_with("hc11-hash.mcap"));
+    fs::copy(path("hc11.mcap"), path("later.mcap")).expect("a copy");
+    window.draw();
+    assert!(!window.has("later.mcap"), "no folder is read for a picture");
+    window.click(text("devices-search"));
+    assert!(window.has("later.mcap"));
+    window.click("later.mcap");
+    assert_eq!(window.setup().source, source(path("later.mcap")));
 }

@@ -128,6 +128,7 @@ fn a_click_types_the_key_under_the_mouse_and_the_session_does_not() {
         window.draw_until("a release", |window| !is_pressed(window, target));
     }
     window.draw_until("the text", |window| window.has("go"));
+    picture::draw(&mut window, "fingertip-keyboard");
     window.toggle_in_menu(text("button-fingertip"));
     let model = window.model();
     assert_ne!(model.view.state.source, "mouse");
@@ -162,6 +163,40 @@ fn a_dragged_fader_has_the_value_under_the_mouse() {
         window.model().contact_with(fader).is_none()
     });
     assert!(value(&window).is_some_and(|value| value > 0.5));
+}
+
+#[test]
+fn the_other_hand_of_the_person_rests_beside_the_board_and_touches_nothing() {
+    let mut window = open("mixer");
+    let resting = |window: &StudioWindow| window.model().resting.expect("the other hand");
+    let before = resting(&window);
+    assert_eq!(before.side, Side::Left);
+    let fader = fader(&window);
+    let at = place(&mut window, fader, 0.0);
+    press(&mut window, at);
+    window.draw_until("a touch", |window| {
+        window.model().contact_with(fader).is_some()
+    });
+    let after = resting(&window);
+    assert!(before.known().eq(after.known()), "it keeps still");
+    let model = window.model();
+    assert!(model.poses[Side::Left.index()].is_none());
+    assert!(
+        model.contacts[Side::Left.index()]
+            .iter()
+            .all(Option::is_none)
+    );
+    button(&mut window, at, false);
+    window.toggle_in_menu(text("button-fingertip"));
+    assert!(window.model().resting.is_none(), "the session has one hand");
+}
+
+#[test]
+fn a_setup_with_two_hands_shows_its_own() {
+    let window = open("qwerty-two-flat");
+    let model = window.model();
+    assert!(model.resting.is_none());
+    assert!(model.poses.iter().all(Option::is_some));
 }
 
 #[test]

@@ -71,7 +71,7 @@ struct FirstWindow {
 impl FirstWindow {
     fn open(ports: &[&str]) -> Self {
         let ports = ports.iter().map(|&port| port.to_owned()).collect();
-        let first = FirstStart::new(Search::new(ports, None));
+        let first = FirstStart::new(Search::new(ports, Vec::new()));
         let answers = Rc::new(RefCell::new(None));
         let session = Rc::new(RefCell::new(None));
         let (given, started) = (Rc::clone(&answers), Rc::clone(&session));

@@ -5,7 +5,7 @@ use parry3d::math::Vec3;
 use super::typing_hand::TypingHand;
 use crate::capture::Sample;
 use crate::hand::{Finger, Side};
-use crate::kinematics::ArmModel;
+use crate::kinematics::{ArmModel, HandPose};
 
 /// Height of the fingertip above what it points at, in metres.
 const HOVER_M: f32 = 0.012;
@@ -72,6 +72,11 @@ impl PointerHand {
         self.side
     }
 
+    /// Returns its pose in the world.
+    pub fn pose(&self) -> HandPose {
+        self.hand.pose(&self.values)
+    }
+
     /// Points at something.
     pub fn point(&mut self, pointed: Pointed) {
         let was_down = self.pointed.is_some_and(|before| before.is_down);
@@ -101,12 +106,12 @@ impl PointerHand {
             self.approach(&pointed, seconds);
         }
         Sample::Joints {
-            positions: self.hand.pose(&self.values).positions(),
+            positions: self.pose().positions(),
         }
     }
 
     fn approach(&mut self, pointed: &Pointed, seconds: f32) {
-        let pose = self.hand.pose(&self.values);
+        let pose = self.pose();
         let radius = pose.tip_radius;
         let start = || {
             let tip = pose.fingertip(Finger::Index).unwrap_or_default();

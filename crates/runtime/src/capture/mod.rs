@@ -23,6 +23,7 @@
 //! A byte stream consists of a [transport], which carries the bytes, and a [protocol], which decodes them. Any other
 //! sensor implements [`Source`].
 
+pub mod cameras;
 pub mod cancel;
 pub mod feedback;
 pub mod pace;

@@ -1,7 +1,6 @@
 //! Recognition of what a serial port sends, by its bytes alone.
 
 use std::num::NonZeroU32;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::SourceUri;
@@ -16,15 +15,6 @@ const LISTEN_TIME: Duration = Duration::from_secs(4);
 
 /// Bytes after which a format is recognized.
 const ENOUGH_BYTES: usize = 400;
-
-/// The first camera of Linux.
-const CAMERA: &str = "/dev/video0";
-
-/// Returns the path of a camera that is connected, without opening it.
-pub fn camera() -> Option<&'static Path> {
-    let camera = Path::new(CAMERA);
-    camera.exists().then_some(camera)
-}
 
 /// The source that the bytes of a serial port look like.
 #[derive(Clone, Debug, PartialEq, Eq)]

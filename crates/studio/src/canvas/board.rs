@@ -1,8 +1,11 @@
 //! The items of a board of a checked layout, and fingertips over it.
 
+use std::collections::BTreeMap;
+
 use parry3d::math::{Vec2, Vec3};
 
 use super::{Item, ItemShape};
+use crate::marks::valued_marks;
 use ademan_core::contact::TargetId;
 use ademan_core::contact::surface::Shape;
 use ademan_core::layout::{Board, BoardShape, Face, Handle, Layout};
@@ -70,6 +73,21 @@ impl BoardItems {
         }
     }
 
+    /// Returns the items with the handles and numbers of values in a session of their layout, at a number of points per millimetre.
+    pub fn with_values(
+        &self,
+        layout: &Layout,
+        values: &BTreeMap<TargetId, f32>,
+        scale: f32,
+    ) -> Vec<Item> {
+        let mut items = self.items.clone();
+        for (item, target) in items.iter_mut().zip(&self.targets) {
+            let marks = valued_marks(layout, *target, values, scale);
+            item.marks = marks.unwrap_or_default();
+        }
+        items
+    }
+
     /// Drops all items, and keeps the shape of the board.
     pub fn clear(&mut self) {
         self.items.clear();
@@ -118,6 +136,7 @@ mod tests {
     use super::super::viewport::Viewport;
     use super::*;
     use crate::scene::SceneColors;
+    use ademan_core::layout::MarkShape;
     use ademan_runtime::files::Load;
 
     fn items(name: &str, scale: f32) -> BoardItems {
@@ -169,6 +188,26 @@ mod tests {
         let tip = items("qwerty-arc", 1.0).fingertip(above).unwrap();
         assert!((tip.position - face.row_position * 1000.0).length() < 0.1);
         assert!((tip.height_mm - 20.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_control_of_a_running_session_has_its_handle_and_number_at_its_value() {
+        let layout = Layout::load("mixer").unwrap();
+        let board = items("mixer", 1.0);
+        let fader = layout.target_names().find("Fader 2").unwrap();
+        let index = board.targets.iter().position(|it| *it == fader).unwrap();
+        let texts = |item: &Item| -> String {
+            let texts = item.marks.iter().filter_map(|mark| match &mark.shape {
+                MarkShape::Text { text, .. } => Some(text.as_str()),
+                _ => None,
+            });
+            texts.collect()
+        };
+        assert!(!texts(&board.items[index]).contains('.'), "a drawing");
+        let valued = board.with_values(&layout, &BTreeMap::from([(fader, 0.75)]), 8.0);
+        assert!(texts(&valued[index]).contains("0.75"));
+        assert_ne!(valued[index].marks, board.items[index].marks);
+        assert_eq!(valued.len(), board.items.len());
     }
 
     #[test]

@@ -17,10 +17,13 @@ use crossbeam_channel::{Receiver, TryRecvError, unbounded};
 pub use self::aim::{Aim, Mouse};
 use self::source::PointerSource;
 use crate::model::StudioModel;
+use crate::scene;
 use crate::sensors::SensorTable;
 use ademan_core::command::Command;
+use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 use ademan_core::snapshot::Snapshot;
+use ademan_lab::sim::PointerHand;
 use ademan_runtime::session::view::Viewer;
 use ademan_runtime::session::{Session, SessionError, SessionHandle, SessionOptions};
 use ademan_runtime::setup::LoadedSetup;
@@ -36,6 +39,10 @@ pub struct Fingertip {
     snapshots: Receiver<Snapshot>,
     viewer: Viewer,
     session: SessionHandle,
+    /// The hand that the setup does not have, at rest.
+    other_hand: Option<HandPose>,
+    /// The number of boards beside which the other hand was placed.
+    boards_beside: Option<usize>,
 }
 
 impl Fingertip {
@@ -45,6 +52,7 @@ impl Fingertip {
         let (moves, received) = unbounded();
         let source = PointerSource::new(&setup, received);
         let first_side = setup.arm.side();
+        let other_hand = other_hand(&setup);
         let options = SessionOptions {
             source: Some(Box::new(source)),
             speed: Some(1.0),
@@ -65,6 +73,8 @@ impl Fingertip {
             snapshots: session.snapshots().clone(),
             viewer,
             session,
+            other_hand,
+            boards_beside: None,
         })
     }
 
@@ -83,6 +93,25 @@ impl Fingertip {
             Err(TryRecvError::Disconnected) => self.model.has_ended = true,
             Err(TryRecvError::Empty) => {}
         }
+        self.place_other_hand();
+    }
+
+    /// Places the other hand beside the boards once their places are known, and again when another one is. It does not follow
+    /// boards that move with the first hand.
+    fn place_other_hand(&mut self) {
+        let (Some(hand), true) = (
+            &self.other_hand,
+            self.model.poses.iter().any(Option::is_some),
+        ) else {
+            return;
+        };
+        let boards = 0..self.model.view.layout.boards.len();
+        let placed = boards.filter(|&board| self.model.world_from_board(board).is_some());
+        let count = Some(placed.count());
+        if self.boards_beside != count {
+            self.boards_beside = count;
+            self.model.resting = Some(scene::beside(&self.model, hand));
+        }
     }
 
     /// Waits for the end of its session, and returns the reason if it failed.
@@ -95,4 +124,13 @@ impl Fingertip {
     pub fn send(&self, command: Command) {
         let _ = self.session.commands().send(command);
     }
+}
+
+/// Returns the other hand of a person with one hand in the setup, as the mirror image of its arm at rest.
+fn other_hand(setup: &LoadedSetup) -> Option<HandPose> {
+    if setup.other_hand.is_some() {
+        return None;
+    }
+    let arm = setup.arm.clone().for_side(setup.arm.side().opposite());
+    Some(PointerHand::new(&arm).pose())
 }

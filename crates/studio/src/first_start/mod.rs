@@ -237,7 +237,7 @@ mod tests {
     use super::*;
 
     fn first_start() -> FirstStart {
-        FirstStart::new(Search::new(Vec::new(), None))
+        FirstStart::new(Search::new(Vec::new(), Vec::new()))
     }
 
     #[test]
@@ -288,7 +288,7 @@ mod tests {
     #[test]
     fn a_port_that_cannot_be_opened_is_said_with_the_reason() {
         let name = "/dev/no-such-port".to_owned();
-        let mut search = Search::new(vec![name.clone()], None);
+        let mut search = Search::new(vec![name.clone()], Vec::new());
         while search.is_listening() {
             search.update();
             std::thread::yield_now();

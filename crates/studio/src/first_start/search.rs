@@ -1,12 +1,12 @@
-//! The search for sources: what the serial ports send, and a camera.
+//! The search for sources: what the serial ports send, and cameras.
 
-use std::path::Path;
 use std::thread;
 
 use crossbeam_channel::{Receiver, unbounded};
 
 use ademan_runtime::capture::SourceUri;
-use ademan_runtime::capture::recognition::{self, Recognition, port_names, recognize};
+use ademan_runtime::capture::cameras::{Camera, cameras};
+use ademan_runtime::capture::recognition::{Recognition, port_names, recognize};
 
 /// A serial port, and what was heard there. `None` while it is listened to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,18 +20,18 @@ pub struct Port {
 /// The ports and cameras of this machine. Each port is listened to for some seconds, on a thread of its own.
 pub struct Search {
     ports: Vec<Port>,
-    camera: Option<&'static Path>,
+    cameras: Vec<Camera>,
     heard: Receiver<(usize, Result<Recognition, String>)>,
 }
 
 impl Search {
     /// Starts to listen to all serial ports of this machine.
     pub fn of_this_machine() -> Self {
-        Self::new(port_names(), recognition::camera())
+        Self::new(port_names(), cameras())
     }
 
-    /// Starts to listen to these serial ports. `camera` is the path of one that is connected.
-    pub fn new(ports: Vec<String>, camera: Option<&'static Path>) -> Self {
+    /// Starts to listen to these serial ports. `cameras` are connected.
+    pub fn new(ports: Vec<String>, cameras: Vec<Camera>) -> Self {
         let (sender, heard) = unbounded();
         let start = |(index, name): (usize, String)| {
             let (sender, port) = (sender.clone(), name.clone());
@@ -48,7 +48,7 @@ impl Search {
         };
         Self {
             ports: ports.into_iter().enumerate().map(start).collect(),
-            camera,
+            cameras,
             heard,
         }
     }
@@ -65,9 +65,9 @@ impl Search {
         &self.ports
     }
 
-    /// Returns the path of a camera.
-    pub fn camera(&self) -> Option<&'static Path> {
-        self.camera
+    /// Returns the cameras.
+    pub fn cameras(&self) -> &[Camera] {
+        &self.cameras
     }
 
     /// Returns whether a port is still listened to.

@@ -7,6 +7,7 @@ use crate::texts::{text, text_with};
 use ademan_core::hand::Side;
 use ademan_core::message::{escape, escape_path};
 use ademan_runtime::capture::SourceUri;
+use ademan_runtime::capture::cameras::Camera;
 use ademan_runtime::capture::recognition::Recognition;
 
 /// Space around the pages, in points.
@@ -17,9 +18,6 @@ const WIDTH: f32 = 760.0;
 
 /// Height of the row of buttons with the space above it, in points.
 const BUTTONS_HEIGHT: f32 = 84.0;
-
-/// The command of a hand in front of a camera.
-const WEBCAM: &str = "ademan webcam";
 
 /// Draws the present page. Returns the answers once the session is to start.
 pub fn show(ui: &mut egui::Ui, first: &mut FirstStart) -> Option<Answers> {
@@ -84,12 +82,8 @@ fn show_sources(ui: &mut egui::Ui, first: &mut FirstStart) {
             }
         }
     }
-    if let Some(camera) = search.camera() {
-        let values = [
-            ("camera", escape_path(camera).into()),
-            ("command", WEBCAM.into()),
-        ];
-        ui.label(large(&text_with("first-camera", &values)));
+    for camera in search.cameras() {
+        ui.label(large(&words_of_camera(camera)));
     }
     ui.add_space(6.0);
     let simulated = large(text("first-simulated"));
@@ -100,6 +94,20 @@ fn show_sources(ui: &mut egui::Ui, first: &mut FirstStart) {
     if let Some(source) = answer {
         first.choose_source(source);
     }
+}
+
+/// Returns the name of a camera, and what to do with it.
+pub(super) fn words_of_camera(camera: &Camera) -> String {
+    let path = escape_path(&camera.path);
+    let name = match camera.name.as_str() {
+        "" => path.to_string(),
+        name => format!("{name} ({path})"),
+    };
+    let values = [
+        ("camera", name.into()),
+        ("command", camera.command().into()),
+    ];
+    text_with("first-camera", &values)
 }
 
 /// Returns what was heard on a port.

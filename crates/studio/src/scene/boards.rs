@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::Canvas;
-use crate::marks::{FrontView, add_marks};
+use crate::marks::{FrontView, add_marks, valued_marks};
 use crate::model::StudioModel;
 use crate::picture::{Color, Label, convex_hull, with_known_signs};
 use ademan_core::contact::TargetId;
@@ -49,8 +49,18 @@ pub(super) struct FrontState<'a> {
     is_lit: bool,
     /// Depth of its front, as a fraction of its travel.
     depth: f32,
-    /// The values that handles show; `None` for the initial values.
+    /// The values that handles and numbers show; `None` for the initial values without numbers.
     values: Option<&'a BTreeMap<TargetId, f32>>,
+}
+
+impl<'a> FrontState<'a> {
+    /// Returns the state of a control that no finger touches, with these values.
+    pub fn at_rest(values: Option<&'a BTreeMap<TargetId, f32>>) -> Self {
+        Self {
+            values,
+            ..Self::default()
+        }
+    }
 }
 
 /// Adds a board, if its pose is known.
@@ -177,8 +187,11 @@ fn add_key(
         return;
     }
     canvas.picture.below.add_flat_polygon(&front, face);
-    let value = |of: TargetId| state.values?.get(&of).copied();
-    if let Some(marks) = layout.front_marks(id, value) {
+    let marks = match state.values {
+        Some(values) => valued_marks(layout, id, values, projected.scale * 1e-3),
+        None => layout.front_marks(id, |_| None),
+    };
+    if let Some(marks) = marks {
         let pose = Pose::from_parts(center, pose.rotation);
         add_front(canvas, &marks, &pose, projected.scale, is_lit);
     } else if let Some(text) = layout.face(id).map(|shown| &shown.label) {

@@ -8,6 +8,7 @@ mod limbs;
 mod plan;
 mod raster;
 mod reach;
+mod resting;
 mod shapes;
 mod skin;
 mod spaces;
@@ -22,6 +23,7 @@ use self::hand::{add_bones, add_hand};
 pub use self::plan::{PlanScene, draw_plan};
 use self::raster::Mesh;
 use self::reach::add_reach;
+pub use self::resting::beside;
 use self::shapes::{add_limbs, add_shapes};
 pub(crate) use self::spaces::volume_corners;
 use self::spaces::{add_pointer, add_spaces};
@@ -122,6 +124,9 @@ pub fn draw(
             add_bones(&mut canvas, pose);
         }
     }
+    if let Some(hand) = &model.resting {
+        add_hand(&mut canvas, hand, options);
+    }
     add_shapes(&mut canvas, model);
     if options.trails {
         for trail in model.trails.iter().flatten() {
@@ -144,8 +149,8 @@ pub fn draw_hand(pose: &HandPose, camera: &Camera, size: Vec2, colors: &SceneCol
     canvas.finish(1.0)
 }
 
-/// Returns the points that the first picture shows: the corners of all keys and controls, targets in space, and the hands.
-pub fn points_of_interest(model: &StudioModel) -> Vec<Vec3> {
+/// Returns the corners of all keys and controls, and of targets in space, whose place is known.
+fn points_to_touch(model: &StudioModel) -> Vec<Vec3> {
     let surfaces = model.view.layout.scene.surfaces().iter().enumerate();
     let mut points = Vec::new();
     for (index, surface) in surfaces {
@@ -156,6 +161,12 @@ pub fn points_of_interest(model: &StudioModel) -> Vec<Vec3> {
         }
     }
     points.extend(spaces::points(model));
+    points
+}
+
+/// Returns the points that the first picture shows: the corners of all keys and controls, targets in space, and the hands.
+pub fn points_of_interest(model: &StudioModel) -> Vec<Vec3> {
+    let mut points = points_to_touch(model);
     // An arm alone is shown with its elbow.
     let is_near = |joint: Joint| {
         if points.is_empty() {
@@ -164,7 +175,8 @@ pub fn points_of_interest(model: &StudioModel) -> Vec<Vec3> {
             !matches!(joint, Joint::Shoulder | Joint::Elbow)
         }
     };
-    let known = model.poses.iter().flatten().flat_map(HandPose::known);
+    let hands = model.poses.iter().chain([&model.resting]).flatten();
+    let known = hands.flat_map(HandPose::known);
     let near: Vec<Vec3> = known
         .filter(|(joint, _)| is_near(*joint))
         .map(|(_, pose)| pose.translation)

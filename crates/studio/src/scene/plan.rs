@@ -1,5 +1,7 @@
 //! All boards and targets in space, without perspective, for the layout editor.
 
+use std::collections::BTreeMap;
+
 use parry3d::math::Vec2;
 
 use super::boards::{FrontState, add_controls};
@@ -11,6 +13,7 @@ use crate::canvas::plan::{Plan, PlanBoard, PlanItem, PlanShape, PlanView};
 use crate::canvas::viewport::Viewport;
 use crate::editor::Part;
 use crate::picture::{Color, Label, Picture, capsule, convex_hull};
+use ademan_core::contact::TargetId;
 use ademan_core::contact::volume::VolumeShape;
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
@@ -51,6 +54,8 @@ pub struct PlanScene<'a> {
     pub viewport: &'a Viewport,
     /// The selected parts.
     pub selected: &'a [Part],
+    /// The values of controls in a session of the layout, which handles and numbers show.
+    pub values: Option<&'a BTreeMap<TargetId, f32>>,
     /// Parts with an error, besides boards that overlap.
     pub faulty: &'a dyn Fn(Part) -> bool,
 }
@@ -110,7 +115,7 @@ fn add_item(canvas: &mut Canvas, scene: &PlanScene, item: &PlanItem) {
                     canvas.picture.below.add_quad(positions, color);
                 }
             }
-            let state = |_| FrontState::default();
+            let state = |_| FrontState::at_rest(scene.values);
             add_controls(canvas, scene.layout, board.index, &board.pose, state);
         }
         PlanShape::Volume(pose, volume) => {

@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 
 use ademan::capture::SourceUri;
-use ademan::capture::recognition::{Recognition, camera, port_names, recognize};
+use ademan::capture::cameras::cameras;
+use ademan::capture::recognition::{Recognition, port_names, recognize};
 use ademan::message::escape;
 
 use super::Args;
@@ -85,10 +86,11 @@ fn propose_without_device(has_no_port: bool, out: &mut impl Write) -> io::Result
     } else {
         writeln!(out, "no port has a known device")?;
     }
-    if camera().is_some() {
+    if let Some(camera) = cameras().first() {
+        let command = camera.command();
         writeln!(
             out,
-            "a camera is there, which can follow your hand: ademan webcam"
+            "a camera is there, which can follow your hand: {command}"
         )?;
     }
     writeln!(

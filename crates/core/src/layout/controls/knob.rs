@@ -192,6 +192,10 @@ impl ControlModel for Knob {
         Some(self.initial)
     }
 
+    fn value_number(&self, _: usize) -> Option<f32> {
+        Some(self.initial)
+    }
+
     fn set_value(&mut self, _: usize, value: f32) {
         self.initial = value;
     }

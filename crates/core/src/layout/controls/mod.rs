@@ -167,6 +167,11 @@ pub(crate) trait ControlModel {
         None
     }
 
+    /// Returns the number of a value that is a quantity, as it is drawn; `None` for any other value.
+    fn value_number(&self, _index: usize) -> Option<f32> {
+        None
+    }
+
     /// Describes each front.
     fn describe(&self, words: &Words) -> Vec<String>;
 

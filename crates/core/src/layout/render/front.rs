@@ -4,7 +4,7 @@ use parry3d::math::Vec2;
 
 use super::svg;
 use crate::contact::TargetId;
-use crate::layout::model::Layout;
+use crate::layout::model::{Control, ControlKind, Face, Layout};
 
 /// A mark on a front, in millimetres from its center: x to the right along its row, y away from the wearer, before the rotation of
 /// the front.
@@ -87,21 +87,42 @@ impl Layout {
         value: impl Fn(TargetId) -> Option<f32>,
     ) -> Option<Vec<FrontMark>> {
         let (control, index) = self.control_at(target)?;
-        let mut kind = control.kind.clone();
-        for (position, own) in control.value_targets().into_iter().enumerate() {
-            if let Some(shown) = value(own) {
-                kind = kind.with_value(position, shown);
-            }
-        }
+        let kind = valued(control, &value);
         let is_on = value(target).is_some_and(|value| value > 0.5);
-        Some(svg::front_marks(
-            self,
-            &kind,
-            index,
-            is_on,
-            &control.faces[index],
-        ))
+        let face = &control.faces[index];
+        Some(svg::front_marks(self, &kind, index, is_on, face))
     }
+
+    /// Returns the marks of [`front_marks`](Self::front_marks), with the numbers of values that are quantities after the label: both
+    /// have the room of the label.
+    pub fn numbered_front_marks(
+        &self,
+        target: TargetId,
+        value: impl Fn(TargetId) -> Option<f32>,
+    ) -> Option<Vec<FrontMark>> {
+        let (control, index) = self.control_at(target)?;
+        let kind = valued(control, &value);
+        let is_on = value(target).is_some_and(|value| value > 0.5);
+        let mut face: Face = control.faces[index].clone();
+        let values = 0..control.value_targets().len();
+        for number in values.filter_map(|position| kind.model().value_number(position)) {
+            // Without a sign before zero.
+            let number = (number * 100.0).round() / 100.0 + 0.0;
+            face.label = format!("{} {number:.2}", face.label);
+        }
+        Some(svg::front_marks(self, &kind, index, is_on, &face))
+    }
+}
+
+/// Returns a control with the values that are known.
+fn valued(control: &Control, value: impl Fn(TargetId) -> Option<f32>) -> ControlKind {
+    let mut kind = control.kind.clone();
+    for (position, own) in control.value_targets().into_iter().enumerate() {
+        if let Some(shown) = value(own) {
+            kind = kind.with_value(position, shown);
+        }
+    }
+    kind
 }
 
 #[cfg(test)]
@@ -202,6 +223,67 @@ mod tests {
         for (index, (labels, height)) in expected.into_iter().enumerate() {
             let value = index as f32 / 5.0;
             assert_eq!(drawn(value), (labels.to_owned(), height), "{value}");
+        }
+    }
+
+    /// Returns the texts of marks, joined, and the rectangles of their lines.
+    fn texts(marks: &[FrontMark]) -> (String, Vec<(Vec2, f32)>) {
+        let lines = marks.iter().filter_map(|mark| match &mark.shape {
+            MarkShape::Text {
+                center, size, text, ..
+            } => Some((text.clone(), (*center, *size))),
+            _ => None,
+        });
+        let (words, places): (Vec<String>, _) = lines.unzip();
+        (words.join(" "), places)
+    }
+
+    #[test]
+    fn the_number_of_a_value_follows_the_label() {
+        let numbered = |controls: &str, value: Option<f32>| {
+            let text =
+                format!("Layout(name: \"a\", boards: [(pose: (anchor: elbow), {controls})])");
+            let layout = Layout::parse(&text, "a.ron").unwrap();
+            let marks = layout.numbered_front_marks(TargetId(0), |_| value);
+            texts(&marks.unwrap()).0
+        };
+        let slider = "sliders: [(name: \"Low\", at_mm: (0, 0), length_mm: 100, width_mm: 20, initial: 0.25)]";
+        let lever = "levers: [(name: \"Gear\", at_mm: (0, 0), length_mm: 80, width_mm: 20)]";
+        let knob = "knobs: [(name: \"Gain\", at_mm: (0, 0), diameter_mm: 40, endless: true)]";
+        let pad = "xy_pads: [(name: \"Tilt\", at_mm: (0, 0), size_mm: Box(100, 60))]";
+        let toggle = "toggles: [(name: \"Mute\", at_mm: (0, 0), size_mm: Box(20, 20))]";
+        for (control, value, expected) in [
+            (slider, None, "Low 0.25"),
+            (slider, Some(0.756), "Low 0.76"),
+            (lever, Some(0.5), "Gear 0.50"),
+            (knob, Some(-1.25), "Gain -1.25"),
+            (knob, Some(-0.001), "Gain 0.00"),
+            (pad, Some(1.0), "Tilt 1.00 1.00"),
+            (toggle, Some(1.0), "Mute"),
+        ] {
+            assert_eq!(numbered(control, value), expected, "{control}");
+        }
+    }
+
+    #[test]
+    fn a_number_stays_in_its_control_and_moves_no_other_mark() {
+        for (name, layout) in Layout::shipped().unwrap() {
+            for face in layout.controls.iter().flat_map(|control| &control.faces) {
+                let plain = layout.front_marks(face.target, |_| Some(0.5)).unwrap();
+                let numbered = layout.numbered_front_marks(face.target, |_| Some(0.5));
+                let numbered = numbered.unwrap();
+                let is_text = |mark: &&FrontMark| matches!(mark.shape, MarkShape::Text { .. });
+                let others = |marks: &[FrontMark]| -> Vec<FrontMark> {
+                    marks.iter().filter(|it| !is_text(it)).cloned().collect()
+                };
+                assert_eq!(others(&plain), others(&numbered), "{name}: {}", face.name);
+                let half = face.outline.half_extents() * 1e3;
+                let half = half.max(Vec2::new(half.y, half.x));
+                for (center, size) in texts(&numbered).1 {
+                    let reach = center.abs() + Vec2::splat(size / 2.0);
+                    assert!(reach.cmple(half).all(), "{name}: {}: {reach}", face.name);
+                }
+            }
         }
     }
 

@@ -1,5 +1,7 @@
 //! Boards and targets in space on the plan, and drags of them.
 
+use std::collections::BTreeMap;
+
 use super::gesture::{PlanGesture, begin, moved};
 use super::handles::{PlanHandle, handles, pivot, radius_at};
 use super::*;
@@ -7,6 +9,7 @@ use crate::canvas::snap::SnapSettings;
 use crate::canvas::viewport::Viewport;
 use crate::picture::Picture;
 use crate::scene::{PlanScene, SceneColors, draw_plan};
+use ademan_core::contact::TargetId;
 use ademan_core::hand::{Joint, Side};
 use ademan_core::layout::Fit;
 use ademan_core::time::Timestamp;
@@ -336,6 +339,14 @@ fn a_handle_bends_a_curved_board_to_the_mouse() {
 
 /// Draws a plan on a picture in which everything fits.
 fn drawn(editor: &LayoutEditor, view: PlanView) -> Vec<Picture> {
+    drawn_with(editor, view, None)
+}
+
+fn drawn_with(
+    editor: &LayoutEditor,
+    view: PlanView,
+    values: Option<&BTreeMap<TargetId, f32>>,
+) -> Vec<Picture> {
     let plan = plan(editor);
     let size = Vec2::new(800.0, 600.0);
     let viewport = Viewport::fit(plan.bounds(view, |_| true).unwrap(), size);
@@ -346,6 +357,7 @@ fn drawn(editor: &LayoutEditor, view: PlanView) -> Vec<Picture> {
         view,
         viewport: &viewport,
         selected: editor.selection(),
+        values,
         faulty: &|part| editor.is_faulty(part),
     };
     draw_plan(&scene, size, &SceneColors::LIGHT)
@@ -440,4 +452,19 @@ fn keys_of_the_plan_are_where_they_are_hit() {
     for key in ["A", "B", "C", "D", "E", "F", "G"] {
         assert!(labels.contains(&key), "{key}: {labels:?}");
     }
+}
+
+#[test]
+fn the_plan_of_a_running_session_has_the_numbers_of_values() {
+    let text = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), sliders: [
+        (name: \"Low\", at_mm: (0, 0), length_mm: 100, width_mm: 30)])])";
+    let editor = editor(text);
+    let values = BTreeMap::from([(TargetId(0), 0.25)]);
+    let labels = |shown| -> Vec<String> {
+        let pictures = drawn_with(&editor, PlanView::Above, shown);
+        let labels = pictures.into_iter().flat_map(|it| it.labels);
+        labels.map(|label| label.text).collect()
+    };
+    assert_eq!(labels(None), ["Low"]);
+    assert_eq!(labels(Some(&values)), ["Low 0.25"]);
 }

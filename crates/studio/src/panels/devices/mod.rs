@@ -3,17 +3,23 @@
 mod choice;
 mod source;
 
+use std::env;
+use std::path::PathBuf;
+
 use eframe::egui::{self, Align2, Key, Modifiers, Vec2};
 
 use self::choice::Choice;
 use super::{PanelContext, PanelState, file_field};
 use crate::first_start::Search;
+use crate::recent::RecentFiles;
+use crate::recordings;
 use crate::setup_change::SetupChange;
 use crate::texts::text;
 use ademan_core::command::{Command, ProfileName};
 use ademan_core::document::{shipped_gloves, shipped_persons};
 use ademan_core::message::escape;
 use ademan_core::pipeline::MAIN_PROFILE;
+use ademan_runtime::capture::SourceUri;
 use ademan_runtime::files::{own_gloves, own_persons};
 use ademan_runtime::output::{self, BACKENDS};
 use ademan_runtime::setup::{ArmSetup, LoadedSetup};
@@ -35,6 +41,8 @@ pub(super) struct DevicesWindow {
     is_focus_due: bool,
     /// The serial ports, once the window was open. Sources of the session are not listened to.
     search: Option<Search>,
+    /// The recordings that are offered, once the window was open.
+    recordings: Option<Vec<PathBuf>>,
     source: String,
     recording: String,
     glove: String,
@@ -57,6 +65,7 @@ impl DevicesWindow {
     pub fn after_change(self, error: Option<String>) -> Self {
         Self {
             search: None,
+            recordings: None,
             error,
             ..self
         }
@@ -72,11 +81,16 @@ impl DevicesWindow {
 pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     let window = &mut state.devices;
     if !window.is_open {
-        window.search = None;
+        (window.search, window.recordings) = (None, None);
         return;
     }
     if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
         window.is_open = false;
+    }
+    if window.recordings.is_none() {
+        let used = &mut state.settings.recent_recordings;
+        let source = context.sensors.setup().setup.source.as_ref();
+        window.recordings = Some(find_recordings(source, used));
     }
     let mut is_open = window.is_open;
     let mut chosen = None;
@@ -106,6 +120,14 @@ pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCon
         window.error = None;
         state.next_setup = chosen;
     }
+}
+
+/// Returns the recordings that are offered beside a source, which is remembered if it is one.
+fn find_recordings(source: Option<&SourceUri>, used: &mut RecentFiles) -> Vec<PathBuf> {
+    if let Some(SourceUri::Recording { path }) = source {
+        used.push(path);
+    }
+    recordings::find(&env::current_dir().unwrap_or_default(), used)
 }
 
 fn show_content(

@@ -2,21 +2,21 @@
 
 use eframe::egui;
 
-use super::super::first_start::{name_of, words_of};
+use std::path::{Path, PathBuf, absolute};
+
+use super::super::first_start::{name_of, words_of, words_of_camera};
 use super::super::headset::show_consent;
 use super::{DevicesWindow, file_field};
 use crate::first_start::{Port, Search};
 use crate::setup_change::SetupChange;
-use crate::texts::{text, text_with};
+use crate::texts::text;
 use ademan_core::command::Command;
 use ademan_core::message::escape_path;
-use ademan_runtime::capture::recognition::{self, Recognition, port_names};
+use ademan_runtime::capture::cameras::cameras;
+use ademan_runtime::capture::recognition::{Recognition, port_names};
 use ademan_runtime::capture::uri::schemes;
 use ademan_runtime::capture::{CaptureError, SourceUri};
 use ademan_runtime::setup::LoadedSetup;
-
-/// The command of a hand in front of a camera.
-const WEBCAM: &str = "ademan webcam";
 
 /// Shows the sources of this machine, and lets sources on the network press keys. Returns the choice.
 pub(super) fn show(
@@ -30,7 +30,7 @@ pub(super) fn show(
     ui.horizontal(|ui| {
         ui.strong(text("devices-source"));
         if ui.button(text("devices-search")).clicked() {
-            window.search = None;
+            (window.search, window.recordings) = (None, None);
         }
     });
     if ui
@@ -58,12 +58,15 @@ pub(super) fn show(
             }
         }
     }
-    if let Some(camera) = search.camera() {
-        let camera = escape_path(camera).into();
-        let values = [("camera", camera), ("command", WEBCAM.into())];
-        ui.label(text_with("first-camera", &values));
+    for camera in search.cameras() {
+        ui.label(words_of_camera(camera));
     }
-    let is_listed = |uri: &SourceUri| uri.serial_port().is_some();
+    let recordings = window.recordings.as_deref().unwrap_or_default();
+    chosen = show_recordings(ui, recordings, present).or(chosen);
+    let is_listed = |uri: &SourceUri| {
+        let listed = recording_of(uri).is_some_and(|path| recordings.contains(&path));
+        listed || uri.serial_port().is_some()
+    };
     if let Some(other) = present.filter(|uri| !is_listed(uri)) {
         // A click on the present source changes nothing.
         let _ = ui.radio(true, name_of(other));
@@ -72,6 +75,36 @@ pub(super) fn show(
         show_consent(ui, "devices-keys", sent);
     }
     chosen.map(SetupChange::Source)
+}
+
+/// Shows the recordings of this machine. A click on the present one plays it again.
+fn show_recordings(
+    ui: &mut egui::Ui,
+    recordings: &[PathBuf],
+    present: Option<&SourceUri>,
+) -> Option<Option<SourceUri>> {
+    if recordings.is_empty() {
+        return None;
+    }
+    ui.label(text("devices-recordings"));
+    let present = present.and_then(recording_of);
+    let mut chosen = None;
+    for path in recordings {
+        let name = path.file_name().unwrap_or_default();
+        let radio = ui.radio(present.as_ref() == Some(path), escape_path(Path::new(name)));
+        if radio.on_hover_text(escape_path(path)).clicked() {
+            chosen = Some(Some(SourceUri::Recording { path: path.clone() }));
+        }
+    }
+    chosen
+}
+
+/// Returns the whole path of a recording that is a source.
+fn recording_of(uri: &SourceUri) -> Option<PathBuf> {
+    match uri {
+        SourceUri::Recording { path } => absolute(path).ok(),
+        _ => None,
+    }
 }
 
 /// Shows rows of a grid for a recording and for any source. A URI with a fault is reported in the window.
@@ -122,7 +155,7 @@ fn search_beside(loaded: &LoadedSetup) -> Search {
         !used.any(|used| used == port)
     };
     let ports = port_names().into_iter().filter(is_free).collect();
-    Search::new(ports, recognition::camera())
+    Search::new(ports, cameras())
 }
 
 /// Returns what a port may be: its recognized sources, or else the default of a serial port.

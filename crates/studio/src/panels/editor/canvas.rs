@@ -1,5 +1,7 @@
 //! The canvas of the layout editor: mouse, keyboard and painting.
 
+use std::sync::Arc;
+
 use eframe::egui::{self, EventFilter, PointerButton, Sense};
 use parry3d::math::Vec2;
 
@@ -16,6 +18,7 @@ use crate::editor::{Edit, Part};
 use crate::model::StudioModel;
 use crate::texts::text;
 use ademan_core::hand::Finger;
+use ademan_core::layout::Layout;
 
 /// Distance at which edges attract, in points.
 const SNAP_REACH: f32 = 6.0;
@@ -303,8 +306,12 @@ pub(super) fn paint(
 ) {
     let colors = look::scene_colors(ui.visuals());
     let (pressed, fingertips) = live(panel, context.session);
+    let valued = live_layout(panel, context.session).map(|layout| {
+        let values = &context.session.values;
+        panel.items.with_values(layout, values, viewport.scale)
+    });
     let scene = CanvasScene {
-        items: &panel.items.items,
+        items: valued.as_ref().unwrap_or(&panel.items.items),
         selected: &panel.selected,
         pressed: &pressed,
         fingertips: &fingertips,
@@ -324,13 +331,16 @@ pub(super) fn paint(
     painter.text(hint, egui::Align2::CENTER_BOTTOM, over.hint, font, color);
 }
 
+/// Returns the layout of the editor, if the session uses the present text.
+pub(super) fn live_layout<'a>(panel: &'a EditorPanel, model: &StudioModel) -> Option<&'a Layout> {
+    let used = &model.view.layout;
+    let layout = panel.editor.layout().map(Arc::as_ref);
+    layout.filter(|it| used.text == it.text && used.boards.len() == it.boards.len())
+}
+
 /// Returns the pressed items and the fingertips over the board, if the session uses the present text.
 fn live(panel: &EditorPanel, model: &StudioModel) -> (Vec<usize>, Vec<Fingertip>) {
-    let is_live = panel.editor.layout().is_some_and(|layout| {
-        let used = &model.view.layout;
-        used.text == layout.text && used.boards.len() == layout.boards.len()
-    });
-    if !is_live {
+    if live_layout(panel, model).is_none() {
         return (Vec::new(), Vec::new());
     }
     let is_pressed = |target| model.contact_with(target).is_some_and(|it| it.is_pressed);

@@ -7,6 +7,7 @@ use egui_kittest::kittest::Queryable;
 use super::tests::{TWO_KEYS, Window};
 use super::*;
 use crate::texts::text_with;
+use ademan_runtime::layout_link::{LOCAL_PAGE, layout_in_link};
 
 impl Window {
     fn right_click(&mut self, pos: Pos2) {
@@ -26,6 +27,27 @@ impl Window {
         let output = &self.harness.output().viewport_output;
         let commands = output.get(&ViewportId::ROOT).map(|root| &root.commands);
         commands.is_some_and(|commands| commands.contains(&ViewportCommand::RequestPaste))
+    }
+
+    /// Runs the command that copies the link, and returns what is put into the clipboard.
+    fn copy_link(&mut self) -> Option<String> {
+        self.press(Modifiers::COMMAND, Key::K);
+        self.write(text("editor-copy-link"));
+        self.harness.event(Event::Key {
+            key: Key::Enter,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        });
+        self.harness.run_steps(1);
+        let commands = &self.harness.output().platform_output.commands;
+        let copied = commands.iter().find_map(|command| match command {
+            egui::OutputCommand::CopyText(copied) => Some(copied.clone()),
+            _ => None,
+        });
+        self.harness.run_steps(1);
+        copied
     }
 
     fn has_menu(&self) -> bool {
@@ -154,6 +176,27 @@ fn the_menu_of_the_free_canvas_pastes() {
     });
     window.harness.run_steps(1);
     assert!(window.has_asked_for_clipboard());
+}
+
+#[test]
+fn the_link_has_the_layout_as_it_is_edited_and_a_faulty_layout_has_no_link() {
+    let mut window = Window::open();
+    window.press(Modifiers::COMMAND, Key::A);
+    window.press(Modifiers::NONE, Key::ArrowRight);
+    let edited = window.text();
+    assert_ne!(edited, TWO_KEYS);
+    let link = window.copy_link().expect("a link");
+    assert!(link.starts_with(LOCAL_PAGE));
+    assert_eq!(layout_in_link(&link), Ok(edited));
+    assert_eq!(window.panel().message, Some(Ok(text("editor-link-copied"))));
+    let faulty = TWO_KEYS.replace("\"B\"", "\"Bee\"");
+    let mut faulty = Window::on_text(&faulty, 700.0);
+    assert_eq!(faulty.copy_link(), None);
+    let message = faulty.panel().message.clone();
+    let Some(Err(reason)) = message else {
+        panic!("{message:?}");
+    };
+    assert!(reason.contains("Bee"), "{reason}");
 }
 
 #[test]

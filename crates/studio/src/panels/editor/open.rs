@@ -1,4 +1,4 @@
-//! Other layouts in the editor: a file, or a new layout from one that comes with the program; and pictures of the layout.
+//! Other layouts in the editor: a file, or a new layout from one that comes with the program; pictures of the layout, and a link to it.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -9,10 +9,11 @@ use super::super::{ConvertSvg, PictureFormats};
 use super::EditorPanel;
 use super::shortcuts::is_asked;
 use crate::texts::text;
-use ademan_core::document::shipped_layouts;
+use ademan_core::document::{Document, shipped_layouts};
 use ademan_core::layout::Wearer;
 use ademan_core::message::escape_path;
 use ademan_runtime::files::{self, FileError};
+use ademan_runtime::layout_link::{LOCAL_PAGE, share_layout};
 
 /// Width of the question, in points.
 const WIDTH: f32 = 420.0;
@@ -59,6 +60,22 @@ impl EditorPanel {
     /// Writes a page to print beside the file of the layout.
     pub(super) fn export_pdf(&mut self) {
         self.export_converted("pdf", |formats| formats.pdf);
+    }
+
+    /// Copies the link that `ademan layout share` prints, with the layout as it is in the editor.
+    pub(super) fn copy_link(&mut self, context: &egui::Context) {
+        if !self.commit_drafts() {
+            return;
+        }
+        let document = Document::new(self.editor.name(), self.editor.text());
+        let link = share_layout(LOCAL_PAGE, document);
+        self.message = Some(match link {
+            Ok(link) => {
+                context.copy_text(link);
+                Ok(text("editor-link-copied"))
+            }
+            Err(error) => Err(error.to_string()),
+        });
     }
 
     fn export_converted(

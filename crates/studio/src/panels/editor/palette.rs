@@ -65,6 +65,7 @@ fn commands(shown: &EditorPanel) -> Vec<Command> {
         command("editor-export", "", |panel, _| panel.export_svg()),
         command("editor-export-png", "", |panel, _| panel.export_png()),
         command("editor-export-pdf", "", |panel, _| panel.export_pdf()),
+        command("editor-copy-link", "", EditorPanel::copy_link),
         command("editor-save", "Ctrl-S", |panel, _| _ = panel.save()),
         command("editor-save-as", "", |panel, _| panel.ask_for_path()),
         command("editor-undo", "Ctrl-Z", |panel, _| panel.undo()),

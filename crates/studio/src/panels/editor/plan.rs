@@ -1,5 +1,7 @@
 //! The plan of the layout editor: all boards and targets in space where they are, with mouse, keyboard and painting.
 
+use std::collections::BTreeMap;
+
 use eframe::egui::{self, PointerButton, Sense};
 use parry3d::math::Vec2;
 
@@ -15,6 +17,7 @@ use crate::canvas::viewport::{AreaViewport, Viewport};
 use crate::editor::{Edit, Part};
 use crate::scene::{PlanScene, draw_plan};
 use crate::texts::text;
+use ademan_core::contact::TargetId;
 use ademan_core::kinematics::HandPose;
 
 /// Distance at which edges attract, in points.
@@ -268,7 +271,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
         panel.end_drag();
     }
     palette::show_menu(&response, panel);
-    paint(ui, panel, (area, &viewport));
+    let model = context.session;
+    let values = canvas::live_layout(panel, model).map(|_| &model.values);
+    paint(ui, panel, values, (area, &viewport));
     show_names(ui, panel, (area, &viewport));
 }
 
@@ -373,7 +378,12 @@ fn set_cursor(ui: &egui::Ui, panel: &EditorPanel, (point, scale): (Vec2, f32)) {
     ui.ctx().set_cursor_icon(icon);
 }
 
-fn paint(ui: &egui::Ui, panel: &EditorPanel, (area, viewport): (egui::Rect, &Viewport)) {
+fn paint(
+    ui: &egui::Ui,
+    panel: &EditorPanel,
+    values: Option<&BTreeMap<TargetId, f32>>,
+    (area, viewport): (egui::Rect, &Viewport),
+) {
     let colors = look::scene_colors(ui.visuals());
     let size = Vec2::new(area.width(), area.height());
     let painter = ui.painter_at(area);
@@ -400,6 +410,7 @@ fn paint(ui: &egui::Ui, panel: &EditorPanel, (area, viewport): (egui::Rect, &Vie
             view: plan.view,
             viewport,
             selected: panel.editor.selection(),
+            values,
             faulty: &|part| panel.editor.is_faulty(part),
         };
         for picture in draw_plan(&scene, size, &colors) {

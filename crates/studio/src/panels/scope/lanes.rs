@@ -1,4 +1,4 @@
-//! The rows of the scope: angles, heights, latency, presses by finger, and the keys that were sent.
+//! The rows of the scope: angles, heights, latency, presses by finger, and the keys and values that were sent.
 
 use eframe::egui::{Align2, Color32, Pos2, Rangef, Rect};
 
@@ -172,7 +172,35 @@ fn draw_presses(canvas: &Canvas, row: Rect, side: Side, finger: Finger) {
 /// Distance of the name of a key from its tick, in points.
 const NAME_GAP: f32 = 2.0;
 
-/// Draws presses as ticks with the name of the key, and releases as short ticks. A name that has no room beside its tick is left out;
+/// An entry of the row of events.
+struct Tick {
+    time: Timestamp,
+    name: String,
+    /// It begins in the middle of the row: a release.
+    is_short: bool,
+}
+
+/// Returns the keys and values that were sent in the part of the time that is shown, oldest first.
+fn ticks(canvas: &Canvas) -> Vec<Tick> {
+    let keys = canvas.history.events().map(|event| Tick {
+        time: event.time,
+        name: format!("{}{}", event.key, if event.is_press { '↓' } else { '↑' }),
+        is_short: !event.is_press,
+    });
+    let values = canvas.history.values().map(|sent| Tick {
+        time: sent.time,
+        name: sent.to_string(),
+        is_short: false,
+    });
+    let ticks = keys.chain(values);
+    let mut shown: Vec<Tick> = ticks
+        .filter(|tick| canvas.shows(tick.time.seconds()))
+        .collect();
+    shown.sort_by_key(|tick| tick.time);
+    shown
+}
+
+/// Draws presses and values as ticks with the name of the key or control, and releases as short ticks. A name that has no room beside its tick is left out;
 /// zooming makes room.
 fn draw_events(canvas: &Canvas, row: Rect) {
     let label_at = Pos2::new(row.min.x - LABEL_MARGIN, row.center().y);
@@ -182,22 +210,19 @@ fn draw_events(canvas: &Canvas, row: Rect) {
         text("scope-events"),
         canvas.weak,
     );
-    let events = canvas.history.events();
-    let mut shown = events
-        .filter(|event| canvas.shows(event.time.seconds()))
-        .peekable();
+    let mut shown = ticks(canvas).into_iter().peekable();
     let mut free_from = row.min.x;
     while let Some(event) = shown.next() {
         let time = event.time.seconds();
         let x = canvas.x_at(time);
-        let (top, arrow) = if event.is_press {
-            (row.min.y, '↓')
+        let top = if event.is_short {
+            row.center().y
         } else {
-            (row.center().y, '↑')
+            row.min.y
         };
         let (color, tick) = (canvas.strong, Rangef::new(top, row.max.y));
         canvas.draw_tick(tick, time, color.gamma_multiply(0.4));
-        let name = format!("{}{arrow}", event.key);
+        let name = event.name;
         let width = canvas.width_of(&name) + NAME_GAP;
         let next = shown.peek().map(|next| canvas.x_at(next.time.seconds()));
         let left = if x + width + NAME_GAP <= next.unwrap_or(row.max.x) {

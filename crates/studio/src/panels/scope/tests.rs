@@ -4,8 +4,9 @@ use eframe::egui::{self, Pos2, Rect, Shape};
 
 use super::canvas::Canvas;
 use super::{Rows, lanes};
-use crate::history::{History, Moment, SentEvent, SentKey};
+use crate::history::{History, Moment, SentEvent, SentKey, SentValue};
 use crate::plot::TimeWindow;
+use ademan_core::contact::TargetId;
 use ademan_core::hand::{Dof, Finger, FingerSet, Side};
 use ademan_core::time::Timestamp;
 
@@ -120,6 +121,37 @@ fn a_high_fingertip_is_within_its_row() {
     let drawn = lines(&shapes).concat();
     assert_eq!(drawn.len(), 2);
     assert!(drawn.iter().all(|point| area.contains(*point)), "{drawn:?}");
+}
+
+#[test]
+fn the_value_at_which_a_control_was_left_is_among_the_keys() {
+    let mut history = History::default();
+    history.push(moment(0.0, 5.0));
+    history.push_event(event(1.0, "A", true));
+    for (seconds, value) in [(2.0, 0.4), (2.1, 0.75)] {
+        history.push_value(SentValue {
+            time: Timestamp::from_seconds(seconds),
+            target: TargetId(7),
+            name: "Fader 1".to_owned(),
+            value,
+        });
+    }
+    history.push_event(event(5.0, "A", false));
+    history.push(moment(10.0, 5.0));
+    let rows = Rows {
+        heights: false,
+        events: true,
+        ..HEIGHTS
+    };
+    let (shapes, _) = draw(&history, rows);
+    let words = shapes.iter().filter_map(|shape| match shape {
+        Shape::Text(it) => Some(it.galley.text()),
+        _ => None,
+    });
+    let words: Vec<&str> = words.collect();
+    let order = ["A↓", "Fader 1 0.75", "A↑"].map(|name| words.iter().position(|it| *it == name));
+    assert!(order.iter().all(Option::is_some), "{words:?}");
+    assert!(order.is_sorted(), "{words:?}");
 }
 
 #[test]
