@@ -9,6 +9,7 @@ pub mod choices;
 pub mod draw;
 pub mod free;
 pub mod gesture;
+pub mod group;
 pub mod handles;
 pub mod plan;
 pub mod selection;

@@ -11,7 +11,7 @@ use crate::canvas::gesture::{self, Gesture, Preview};
 use crate::canvas::handles::{self, Handle};
 use crate::canvas::snap::SnapSettings;
 use crate::canvas::viewport::Viewport;
-use crate::canvas::{Bounds, CORNERS, bend, item_at};
+use crate::canvas::{Bounds, CORNERS, bend, group, item_at};
 use crate::editor::{Edit, Part};
 use crate::model::StudioModel;
 use crate::texts::text;
@@ -219,6 +219,15 @@ fn edit_of(panel: &EditorPanel, gesture: &Gesture, preview: &Preview) -> Option<
     match gesture {
         Gesture::Band { .. } => None,
         Gesture::Move { .. } => panel.movement(panel.selected_parts(), new.center - old.center),
+        Gesture::Scale { corner, .. } => {
+            let (factors, fixed) = (preview.scaling?.factors, -CORNERS[*corner]);
+            let numbers = |it: Vec2| it.to_array().map(f64::from);
+            Some(Edit::Scale {
+                parts: panel.selected_parts(),
+                factors: numbers(factors),
+                fixed: numbers(fixed),
+            })
+        }
         Gesture::Handle { handle, .. } => Some(match handle {
             Handle::Turn => Edit::Turn {
                 parts,
@@ -248,6 +257,21 @@ impl EditorPanel {
             Some(radius) => Some(self.bend_to(radius)),
             None => edit_of(self, self.gesture.as_ref()?, &self.preview),
         }
+    }
+
+    /// Returns `true` while something is dragged on the canvas.
+    pub(super) fn is_dragging_on_canvas(&self) -> bool {
+        self.gesture.is_some() || self.dragged_radius.is_some()
+    }
+
+    /// Ends a drag on the canvas without an edit.
+    pub(super) fn cancel_drag(&mut self) {
+        if let Some(Gesture::Band { before, .. }) = self.gesture.take() {
+            self.selected = before;
+            self.select_items_in_editor();
+        }
+        self.preview = Preview::default();
+        self.dragged_radius = None;
     }
 
     /// Returns the edit that gives the board a radius, in millimetres.
@@ -280,15 +304,21 @@ fn drag_bend(panel: &mut EditorPanel, point: Vec2, is_down: bool) {
 }
 
 fn set_cursor(ui: &egui::Ui, panel: &EditorPanel, point: Vec2, scale: f32) {
-    let single = panel.selected.single();
-    let item = single.and_then(|index| panel.items.items.get(index));
+    let items = &panel.items.items;
+    let item = panel.selected.single().and_then(|index| items.get(index));
     let handle = item.and_then(|item| handles::handle_at(item, point, scale));
-    let icon = match (&panel.gesture, handle) {
-        (Some(Gesture::Move { .. }), _) if !panel.preview.shapes.is_empty() => {
+    let corner = match panel.gesture {
+        Some(Gesture::Scale { corner, .. }) => Some(corner),
+        _ => group::frame(items, &panel.selected)
+            .and_then(|frame| group::handle_at(frame, point, scale)),
+    };
+    let icon = match (&panel.gesture, handle, corner) {
+        (Some(Gesture::Move { .. }), ..) if !panel.preview.shapes.is_empty() => {
             egui::CursorIcon::Grabbing
         }
-        (_, Some(Handle::Turn)) => egui::CursorIcon::Crosshair,
-        (_, Some(Handle::Corner(_))) => egui::CursorIcon::ResizeNwSe,
+        (_, Some(Handle::Turn), _) => egui::CursorIcon::Crosshair,
+        (_, Some(Handle::Corner(_)), _) | (_, _, Some(1 | 3)) => egui::CursorIcon::ResizeNwSe,
+        (_, _, Some(_)) => egui::CursorIcon::ResizeNeSw,
         _ => return,
     };
     ui.ctx().set_cursor_icon(icon);

@@ -16,9 +16,12 @@ mod outside;
 mod palette;
 mod plan;
 mod problems;
+mod repeat;
 mod several;
 mod shortcuts;
 mod steps;
+#[cfg(test)]
+mod arrange_tests;
 #[cfg(test)]
 mod menu_tests;
 #[cfg(test)]
@@ -52,12 +55,12 @@ use self::binding::BindingState;
 pub(super) use self::binding::capture as capture_key;
 use self::form::FormState;
 pub(super) use self::heat::{BoardHeat, show as show_heat};
-use self::new_parts::Repeat;
 use self::open::OpenQuestion;
 use self::outside::{SaveAs, SaveQuestion};
 pub(super) use self::outside::{guard_close, keep_unfinished};
 use self::palette::Palette;
 use self::plan::PlanPanel;
+use self::repeat::Repeat;
 use self::shortcuts::Nudge;
 
 /// The editor between two pictures.
@@ -89,7 +92,7 @@ pub struct EditorPanel {
     /// Edges and centers of other items and the grid attract.
     snaps: bool,
     grid_mm: f32,
-    /// Numbers of the next repetition.
+    /// Numbers of the next repetitions.
     repeat: Repeat,
     palette: Palette,
     binding: BindingState,

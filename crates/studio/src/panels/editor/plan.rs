@@ -124,11 +124,11 @@ impl EditorPanel {
         if plan.is_open {
             plan.drag.is_some() || !self.editor.selection().is_empty()
         } else {
-            plan.is_left || !self.selected.is_empty()
+            plan.is_left || self.is_dragging_on_canvas() || !self.selected.is_empty()
         }
     }
 
-    /// Undoes a drag, or deselects everything, or shows the plan from which a board was opened.
+    /// Ends a drag and undoes it, or deselects everything, or shows the plan from which a board was opened.
     pub(super) fn escape(&mut self) {
         if self
             .plan
@@ -142,6 +142,8 @@ impl EditorPanel {
             self.end_drag();
         } else if self.plan.is_open {
             self.editor.select([]);
+        } else if self.is_dragging_on_canvas() {
+            self.cancel_drag();
         } else if self.selected.is_empty() {
             self.open_plan();
         } else {

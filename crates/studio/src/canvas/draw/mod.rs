@@ -1,13 +1,14 @@
 //! The picture of the canvas: grid, keys, selection and guides.
 
+mod handles;
+
 use parry3d::math::Vec2;
 
 use super::board::Fingertip;
 use super::gesture::Preview;
-use super::handles::{self, Handle};
 use super::selection::Selection;
 use super::viewport::Viewport;
-use super::{Bounds, Item, ItemShape, bend};
+use super::{Bounds, Item, ItemShape, bend, group};
 use crate::marks::{FrontView, add_marks, half_width};
 use crate::picture::{Color, Label, Picture, Triangles, with_known_signs};
 use crate::scene::SceneColors;
@@ -40,9 +41,6 @@ const HIDING: f32 = 0.8;
 
 /// The part of the colour in an item with the strongest one: its label stays readable.
 const HOTTEST: f32 = 0.75;
-
-/// Half the side of a square handle, in points.
-const HANDLE: f32 = 4.0;
 
 /// Everything that the picture shows.
 pub struct CanvasScene<'a> {
@@ -126,6 +124,9 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
             ..item.clone()
         });
     }
+    if let Some(frame) = framed(scene, &shapes) {
+        pen.add_frame(frame);
+    }
     for guide in &scene.preview.guides {
         pen.add_line(guide.from, guide.to, 1.5, colors.lit);
     }
@@ -136,6 +137,19 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
         pen.add_band(band);
     }
     pen.picture
+}
+
+/// Returns the frame around several selected items with these outlines.
+fn framed(scene: &CanvasScene, shapes: &[ItemShape]) -> Option<Bounds> {
+    let around = group::frame(scene.items, scene.selected)?;
+    if let Some(scaling) = scene.preview.scaling {
+        return Some(scaling.frame);
+    }
+    if scene.preview.shapes.is_empty() {
+        return Some(around);
+    }
+    let selected = scene.selected.iter();
+    Bounds::around(selected.filter_map(|index| shapes.get(index)))
 }
 
 /// The look of an item.
@@ -310,35 +324,6 @@ impl Pen<'_> {
             color,
             text,
         });
-    }
-
-    fn add_handles(&mut self, item: &Item) {
-        let (ring, fill) = (self.colors.ring, self.colors.background);
-        for (handle, at) in handles::handles(item, self.viewport.scale) {
-            let at = self.to_screen(at);
-            match handle {
-                Handle::Corner(_) => {
-                    for (half, color) in [(HANDLE + 1.5, ring), (HANDLE, fill)] {
-                        let corners = super::CORNERS.map(|sign| at + sign * half);
-                        self.picture.above.add_flat_polygon(&corners, color);
-                    }
-                }
-                Handle::Turn => {
-                    let center = self.to_screen(item.shape.center);
-                    let rim = center.lerp(
-                        at,
-                        item.shape.half.y * self.viewport.scale / (at - center).length(),
-                    );
-                    let side = (at - center).normalize_or_zero().perp() * 0.75;
-                    let stem = [rim + side, at + side, at - side, rim - side];
-                    add_plain_polygon(&mut self.picture.above, &stem, ring);
-                    self.picture
-                        .above
-                        .add_flat_polygon(&disc(at, HANDLE + 1.0), fill);
-                    self.picture.above.add_ring(at, HANDLE, 2.0, ring);
-                }
-            }
-        }
     }
 
     /// Adds a disc that is larger and paler the higher the fingertip is.
