@@ -535,7 +535,9 @@ editor-plan = All boards
 editor-plan-tab-hint = All boards and targets in space where they are, with the hand at rest
 editor-plan-canvas = Plan of all boards
 editor-plan-hint = drag: move (Alt: freely) · round handles: turn, tilt, bend · double click: open a board · right drag: pan · scroll: zoom
+editor-plan-free-hint = drag: move in the plane of the picture (Alt: freely) · right drag, Ctrl-arrows: turn the view · middle drag: pan · scroll: zoom
 editor-view-front = From the front
+editor-view-free = Free view
 
 ## First start
 

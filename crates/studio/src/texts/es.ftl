@@ -535,7 +535,9 @@ editor-plan = Todos los tableros
 editor-plan-tab-hint = Todos los tableros y objetivos en el espacio donde están, con la mano en reposo
 editor-plan-canvas = Plano de todos los tableros
 editor-plan-hint = arrastrar: mover (Alt: libre) · asas redondas: girar, inclinar, curvar · doble clic: abrir un tablero · botón derecho: desplazar · rueda: zoom
+editor-plan-free-hint = arrastrar: mover en el plano de la imagen (Alt: libre) · botón derecho, Ctrl-flechas: girar la vista · botón central: desplazar · rueda: zoom
 editor-view-front = De frente
+editor-view-free = Vista libre
 
 ## First start
 

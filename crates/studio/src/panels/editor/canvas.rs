@@ -94,6 +94,7 @@ pub(super) fn keep_arrow_keys(ui: &egui::Ui, response: &egui::Response) {
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
 }
 
+/// Pans and zooms by the mouse.
 pub(super) fn move_view(
     ui: &egui::Ui,
     response: &egui::Response,
@@ -101,16 +102,27 @@ pub(super) fn move_view(
     to_local: impl Fn(egui::Pos2) -> Vec2,
     size: Vec2,
 ) {
-    let pans =
-        response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary);
-    if pans {
-        let drag = response.drag_delta();
-        viewport.pan(Vec2::new(drag.x, drag.y));
+    if response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary) {
+        pan(response, viewport);
     }
+    zoom(ui, response, viewport, to_local, size);
+}
+
+pub(super) fn pan(response: &egui::Response, viewport: &mut Viewport) {
+    let drag = response.drag_delta();
+    viewport.pan(Vec2::new(drag.x, drag.y));
+}
+
+pub(super) fn zoom(
+    ui: &egui::Ui,
+    response: &egui::Response,
+    viewport: &mut Viewport,
+    to_local: impl Fn(egui::Pos2) -> Vec2,
+    size: Vec2,
+) {
     if let Some(at) = response.hover_pos() {
-        let (scroll, zoom) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-        let factor = (scroll * 0.002).exp() * zoom;
-        viewport.zoom_at(to_local(at), size, factor);
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        viewport.zoom_at(to_local(at), size, (scroll * 0.002).exp() * pinch);
     }
 }
 

@@ -6,6 +6,7 @@ mod canvas;
 mod drafts;
 mod field_row;
 mod form;
+mod free_view;
 mod heat;
 mod icons;
 mod key_press;
@@ -143,6 +144,15 @@ impl EditorPanel {
             panel.message = Some(Ok(text("editor-open-elsewhere")));
         }
         Ok(panel)
+    }
+
+    /// Keeps what was chosen for another layout: snapping, and the view of all boards.
+    #[must_use]
+    pub(super) fn with_choices_of(mut self, other: &Self) -> Self {
+        self.snaps = other.snaps;
+        self.grid_mm = other.grid_mm;
+        (self.plan.view, self.plan.free) = (other.plan.view, other.plan.free);
+        self
     }
 
     fn new(editor: LayoutEditor) -> Self {

@@ -4,7 +4,7 @@ use eframe::egui::{self, PointerButton, Sense};
 use parry3d::math::Vec2;
 
 use super::super::{PanelContext, look, space};
-use super::{EditorPanel, canvas, palette};
+use super::{EditorPanel, canvas, free_view, palette};
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::Preview;
 use crate::canvas::plan::gesture::{self, PlanChange, PlanGesture};
@@ -31,9 +31,11 @@ pub(super) struct PlanPanel {
     /// The board that is shown was opened from the plan: Escape leads back.
     is_left: bool,
     pub view: PlanView,
+    /// The free view as it was turned last.
+    pub free: Option<PlanView>,
     /// The part of the plan that each view shows.
     viewports: [AreaViewport; PlanView::ALL.len()],
-    plan: Plan,
+    pub plan: Plan,
     /// The hands at rest for the plan.
     hands: Vec<HandPose>,
     /// Revision of the text of the plan.
@@ -68,8 +70,9 @@ impl PlanPanel {
         self.drag.is_some()
     }
 
-    fn viewport(&mut self) -> &mut AreaViewport {
-        &mut self.viewports[self.view as usize]
+    /// Returns the part of the plan that the view shows.
+    pub fn viewport(&mut self) -> &mut AreaViewport {
+        &mut self.viewports[self.view.index()]
     }
 }
 
@@ -92,7 +95,10 @@ impl EditorPanel {
             self.open_plan();
         }
         self.end_drag();
-        self.plan.view = view;
+        self.plan.view = match self.plan.free {
+            Some(free) if view.is_free() => free,
+            _ => view,
+        };
     }
 
     /// Shows one board in place of the plan.
@@ -220,12 +226,13 @@ pub(super) const VIEWS: [(&str, PlanView); PlanView::ALL.len()] = [
     ("view-above", PlanView::Above),
     ("editor-view-front", PlanView::Front),
     ("view-side", PlanView::Side),
+    ("editor-view-free", PlanView::FREE),
 ];
 
 /// Shows the directions from which the plan is seen.
 pub(super) fn show_views(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     for (name, view) in VIEWS {
-        let is_shown = panel.plan.view == view;
+        let is_shown = panel.plan.view.index() == view.index();
         if ui.selectable_label(is_shown, text(name)).clicked() {
             panel.view_plan(view);
         }
@@ -244,6 +251,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     let name = text("editor-plan-canvas");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
     canvas::keep_arrow_keys(ui, &response);
+    free_view::turn_by_mouse(ui, &response, panel);
     let view = panel.plan.view;
     let bounds = panel.plan.plan.extent(view, |_| true);
     let revision = panel.editor.revision();
@@ -253,7 +261,11 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
         .viewport()
         .update(bounds, size, revision, is_held);
     let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
-    canvas::move_view(ui, &response, &mut viewport, to_local, size);
+    if view.is_free() {
+        free_view::move_view(ui, &response, &mut viewport, to_local, size);
+    } else {
+        canvas::move_view(ui, &response, &mut viewport, to_local, size);
+    }
     panel.plan.viewport().move_to(viewport);
     if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
         let point = viewport.to_board(to_local(at), size);
@@ -413,7 +425,11 @@ fn paint(ui: &egui::Ui, panel: &EditorPanel, (area, viewport): (egui::Rect, &Vie
     let hint = area.center_bottom() - egui::vec2(0.0, 8.0);
     let font = egui::FontId::proportional(12.0);
     let color = ui.visuals().weak_text_color();
-    let words = text("editor-plan-hint");
+    let words = text(if plan.view.is_free() {
+        "editor-plan-free-hint"
+    } else {
+        "editor-plan-hint"
+    });
     painter.text(hint, egui::Align2::CENTER_BOTTOM, words, font, color);
 }
 
