@@ -12,6 +12,7 @@ pub mod gesture;
 pub mod group;
 pub mod handles;
 pub mod plan;
+pub mod rulers;
 pub mod selection;
 pub mod snap;
 pub mod viewport;

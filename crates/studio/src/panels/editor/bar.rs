@@ -190,6 +190,8 @@ fn show_snapping(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     shown
         .response
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+    ui.checkbox(&mut panel.has_rulers, text("editor-rulers"))
+        .on_hover_text(text("editor-rulers-hint"));
     if button(ui, text("editor-fit"), text("editor-fit-hint"), true) {
         panel.show_all();
     }

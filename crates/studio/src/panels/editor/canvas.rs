@@ -4,7 +4,7 @@ use eframe::egui::{self, EventFilter, PointerButton, Sense};
 use parry3d::math::Vec2;
 
 use super::super::{PanelContext, look, space};
-use super::{EditorPanel, palette, rounded};
+use super::{EditorPanel, palette, rounded, rulers};
 use crate::canvas::board::Fingertip;
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::{self, Gesture, Preview};
@@ -32,6 +32,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
         hint: text("editor-hint"),
     };
     paint(ui, panel, context, (area, &viewport), &over);
+    if panel.has_rulers {
+        rulers::paint(ui, (area, &viewport), panel.selected_bounds());
+    }
 }
 
 /// Does what mouse and keyboard ask for. Returns the area of the canvas and the part of the board in it; `None` without room.

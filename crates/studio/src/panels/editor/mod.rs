@@ -18,6 +18,7 @@ mod palette;
 mod plan;
 mod problems;
 mod repeat;
+mod rulers;
 mod several;
 mod shortcuts;
 mod steps;
@@ -93,6 +94,8 @@ pub struct EditorPanel {
     /// Edges and centers of other items and the grid attract.
     snaps: bool,
     grid_mm: f32,
+    /// Rulers are shown along the canvas and the plan.
+    has_rulers: bool,
     /// Numbers of the next repetitions.
     repeat: Repeat,
     palette: Palette,
@@ -146,11 +149,12 @@ impl EditorPanel {
         Ok(panel)
     }
 
-    /// Keeps what was chosen for another layout: snapping, and the view of all boards.
+    /// Keeps what was chosen for another layout: snapping, rulers, and the view of all boards.
     #[must_use]
     pub(super) fn with_choices_of(mut self, other: &Self) -> Self {
         self.snaps = other.snaps;
         self.grid_mm = other.grid_mm;
+        self.has_rulers = other.has_rulers;
         (self.plan.view, self.plan.free) = (other.plan.view, other.plan.free);
         self
     }
@@ -173,6 +177,7 @@ impl EditorPanel {
             dragged_radius: None,
             snaps: true,
             grid_mm: 1.0,
+            has_rulers: true,
             repeat: Repeat::default(),
             palette: Palette::default(),
             binding: BindingState::default(),

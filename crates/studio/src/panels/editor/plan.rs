@@ -4,7 +4,7 @@ use eframe::egui::{self, PointerButton, Sense};
 use parry3d::math::Vec2;
 
 use super::super::{PanelContext, look, space};
-use super::{EditorPanel, canvas, free_view, palette};
+use super::{EditorPanel, canvas, free_view, palette, rulers};
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::Preview;
 use crate::canvas::plan::gesture::{self, PlanChange, PlanGesture};
@@ -284,6 +284,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     palette::show_menu(&response, panel);
     paint(ui, panel, (area, &viewport));
     show_names(ui, panel, (area, &viewport));
+    if panel.has_rulers {
+        let selection = panel.editor.selection();
+        let plan = &panel.plan.plan;
+        let selected = plan.bounds(view, |part| selection.contains(&part));
+        rulers::paint(ui, (area, &viewport), selected);
+    }
 }
 
 fn handle_mouse(
