@@ -2,9 +2,10 @@
 
 use parry3d::math::Vec2;
 
-use super::{Pen, add_plain_polygon, disc};
+use super::{Pen, add_plain_polygon};
 use crate::canvas::handles::{self, Handle};
 use crate::canvas::{Bounds, CORNERS, Item, group};
+use crate::picture::disc;
 
 /// Half the side of a square handle, in points.
 const HANDLE: f32 = 4.0;

@@ -363,10 +363,8 @@ pub(super) fn paint(
     let picture = draw::draw(&scene, viewport, size, &colors);
     let painter = ui.painter_at(area);
     space::paint(&painter, area, &picture, colors.background);
-    let hint = area.center_bottom() - egui::vec2(0.0, 8.0);
-    let font = egui::FontId::proportional(12.0);
-    let color = ui.visuals().weak_text_color();
-    painter.text(hint, egui::Align2::CENTER_BOTTOM, over.hint, font, color);
+    let background = space::hint_background(colors.background);
+    space::show_hint(ui, area, over.hint, background);
 }
 
 /// Returns the pressed items and the fingertips over the board, if the session uses the present text.

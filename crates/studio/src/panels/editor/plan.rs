@@ -428,15 +428,13 @@ fn paint(ui: &egui::Ui, panel: &EditorPanel, (area, viewport): (egui::Rect, &Vie
     }
     let marks = draw::draw(&empty(&plan.preview, false), viewport, size, &colors);
     space::paint_over(&painter, area, &marks);
-    let hint = area.center_bottom() - egui::vec2(0.0, 8.0);
-    let font = egui::FontId::proportional(12.0);
-    let color = ui.visuals().weak_text_color();
-    let words = text(if plan.view.is_free() {
+    let hint = text(if plan.view.is_free() {
         "editor-plan-free-hint"
     } else {
         "editor-plan-hint"
     });
-    painter.text(hint, egui::Align2::CENTER_BOTTOM, words, font, color);
+    let background = space::hint_background(colors.background);
+    space::show_hint(ui, area, hint, background);
 }
 
 /// Shows the names of the boards, and tells screen readers where everything is.
