@@ -222,8 +222,7 @@ impl Camera {
 
     /// Turns around the target by a drag in points.
     pub fn orbit(&mut self, drag: Vec2) {
-        self.azimuth -= drag.x * ORBIT_SPEED;
-        self.elevation = (self.elevation + drag.y * ORBIT_SPEED).clamp(-FRAC_PI_2, FRAC_PI_2);
+        [self.azimuth, self.elevation] = orbited([self.azimuth, self.elevation], drag);
     }
 
     /// Moves the target by a drag in points of a picture of this height.
@@ -240,10 +239,9 @@ impl Camera {
 
     /// Moves by a key, on a picture of this height.
     pub fn step(&mut self, step: CameraStep, height: f32) {
-        let drag = |right: f32, up: f32| Vec2::new(-right, up) * KEY_DRAG;
         match step {
-            CameraStep::Orbit(right, up) => self.orbit(drag(right, up)),
-            CameraStep::Pan(right, up) => self.pan(drag(right, up), height),
+            CameraStep::Orbit(right, up) => self.orbit(key_drag(right, up)),
+            CameraStep::Pan(right, up) => self.pan(key_drag(right, up), height),
             CameraStep::Zoom(nearer) => self.zoom(KEY_ZOOM.powf(-nearer)),
         }
     }
@@ -271,12 +269,31 @@ impl Camera {
 
     /// Returns the directions to the right, up and backwards.
     pub fn axes(&self) -> [Vec3; 3] {
-        let (sin, cos) = self.azimuth.sin_cos();
-        let (rise, run) = self.elevation.sin_cos();
-        let back = Vec3::new(sin * run, rise, cos * run);
-        let right = Vec3::new(cos, 0.0, -sin);
-        [right, back.cross(right), back]
+        view_axes(self.azimuth, self.elevation)
     }
+}
+
+/// Returns the directions to the right, up and backwards of an eye at this azimuth and elevation, in radians.
+pub fn view_axes(azimuth: f32, elevation: f32) -> [Vec3; 3] {
+    let (sin, cos) = azimuth.sin_cos();
+    let (rise, run) = elevation.sin_cos();
+    let back = Vec3::new(sin * run, rise, cos * run);
+    let right = Vec3::new(cos, 0.0, -sin);
+    [right, back.cross(right), back]
+}
+
+/// Returns azimuth and elevation of an eye, in radians, after a drag in points.
+pub fn orbited([azimuth, elevation]: [f32; 2], drag: Vec2) -> [f32; 2] {
+    let raised = elevation + drag.y * ORBIT_SPEED;
+    [
+        azimuth - drag.x * ORBIT_SPEED,
+        raised.clamp(-FRAC_PI_2, FRAC_PI_2),
+    ]
+}
+
+/// Returns the drag that one key stands for, in points. Directions are those in which the eye moves: to the right and up.
+pub fn key_drag(right: f32, up: f32) -> Vec2 {
+    Vec2::new(-right, up) * KEY_DRAG
 }
 
 #[cfg(test)]

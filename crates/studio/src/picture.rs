@@ -104,8 +104,12 @@ pub struct Picture {
 /// Width of the soft edge of a shape, in points.
 const FEATHER: f32 = 1.0;
 
-/// Lines of half a circle.
+/// Lines of half a circle at the end of a capsule.
 const ARC_STEPS: usize = 12;
+
+/// The longest side of a disc or ring, in points, and the range of the number of its sides.
+const DISC_SIDE: f32 = 3.0;
+const DISC_SIDES: (usize, usize) = (24, 128);
 
 impl Triangles {
     /// Adds a convex polygon with soft edges; each corner has a colour.
@@ -167,7 +171,7 @@ impl Triangles {
 
     /// Adds a ring of this width around a center.
     pub fn add_ring(&mut self, center: Vec2, radius: f32, width: f32, color: Color) {
-        let steps = 2 * ARC_STEPS as u32;
+        let steps = disc_sides(radius + width) as u32;
         let first = self.vertices.len() as u32;
         for step in 0..steps {
             let direction = Vec2::from_angle(step as f32 / steps as f32 * TAU);
@@ -191,6 +195,21 @@ impl Triangles {
             }
         }
     }
+}
+
+/// Returns the number of sides with which a disc of a radius in points looks round.
+fn disc_sides(radius: f32) -> usize {
+    let sides = (radius * TAU / DISC_SIDE) as usize;
+    sides.clamp(DISC_SIDES.0, DISC_SIDES.1)
+}
+
+/// Returns the outline of a disc.
+pub fn disc(center: Vec2, radius: f32) -> Vec<Vec2> {
+    let sides = disc_sides(radius);
+    let angle = |step: usize| step as f32 / sides as f32 * TAU;
+    (0..sides)
+        .map(|step| center + Vec2::from_angle(angle(step)) * radius)
+        .collect()
 }
 
 /// Returns the outline of two discs and what is between them.
@@ -311,6 +330,20 @@ mod tests {
         let count = triangles.vertices.len() as u32;
         assert!(triangles.indices.iter().all(|&index| index < count));
         assert_eq!(triangles.indices.len() % 3, 0);
+    }
+
+    #[test]
+    fn a_large_disc_and_its_ring_are_as_round_as_a_small_one() {
+        for (radius, sides) in [(3.0, 24), (40.0, 83), (5000.0, 128)] {
+            assert_eq!(disc(Vec2::ZERO, radius).len(), sides);
+        }
+        let mut triangles = Triangles::default();
+        triangles.add_ring(Vec2::ZERO, 300.0, 2.0, Color::rgb(1, 2, 3));
+        let corners = triangles.vertices.iter().step_by(4);
+        let corners: Vec<Vec2> = corners.map(|(at, _)| *at).collect();
+        // The middle of a side is less than a third of a point within the ring.
+        let middle = (corners[0] + corners[1]) / 2.0;
+        assert!(299.0 - middle.length() < 0.33, "{}", middle.length());
     }
 
     #[test]

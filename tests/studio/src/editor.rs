@@ -132,6 +132,43 @@ fn an_edit_is_tried_in_the_session_before_it_is_saved() {
 }
 
 #[test]
+fn rulers_follow_the_pointer_on_board_and_plan_and_can_be_hidden() {
+    let file = EditedFile::new("rulers.ron", ONE_KEY);
+    let mut window = file.open();
+    for plan in [false, true] {
+        if plan {
+            window.click(text("editor-plan"));
+        }
+        let area = canvas(&window);
+        let top = egui::Rect::from_min_size(area.min, egui::vec2(area.width(), 18.0));
+        let left = egui::Rect::from_min_size(
+            area.min + egui::vec2(0.0, 18.0),
+            egui::vec2(18.0, area.height() - 18.0),
+        );
+        let strips_with = |window: &mut StudioWindow, way: egui::Vec2| {
+            window.harness.hover_at(area.center() + way);
+            window.draw(2);
+            let picture = picture::draw(window, &format!("editor-rulers-{plan}"))?;
+            Some([top, left].map(|strip| picture::crop(&picture, strip)))
+        };
+        let Some(first) = strips_with(&mut window, egui::Vec2::ZERO) else {
+            return;
+        };
+        let lower = strips_with(&mut window, egui::vec2(0.0, 60.0)).unwrap();
+        assert!(first[0] == lower[0] && first[1] != lower[1], "plan {plan}");
+        let right = strips_with(&mut window, egui::vec2(60.0, 60.0)).unwrap();
+        assert!(lower[0] != right[0] && lower[1] == right[1], "plan {plan}");
+        window.toggle(text("editor-rulers"));
+        let hidden = strips_with(&mut window, egui::vec2(60.0, 60.0)).unwrap();
+        assert!(
+            hidden[0] != right[0] && hidden[1] != right[1],
+            "plan {plan}"
+        );
+        window.toggle(text("editor-rulers"));
+    }
+}
+
+#[test]
 fn an_arc_is_unrolled_and_its_keys_are_shown() {
     let mut window = Opening::on_layout("qwerty-arc").open();
     window.click(text("workspace-layout"));

@@ -114,6 +114,62 @@ fn a_drag_in_the_front_view_is_written_undone_at_once_and_saved_with_its_comment
     assert_eq!(file.text(), FINGERS_AND_THUMB);
 }
 
+/// Drags with the right button.
+fn drag_right(window: &mut StudioWindow, from: Pos2, by: Vec2) {
+    let secondary = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Secondary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    for event in [
+        egui::Event::PointerMoved(from),
+        secondary(from, true),
+        egui::Event::PointerMoved(from + by / 2.0),
+        egui::Event::PointerMoved(from + by),
+        secondary(from + by, false),
+    ] {
+        window.harness.event(event);
+        window.draw(2);
+    }
+}
+
+#[test]
+fn the_free_view_is_turned_by_mouse_and_keys_and_stays_while_the_window_lives() {
+    let file = EditedFile::new("plan-free.ron", FINGERS_AND_THUMB);
+    let mut window = open_plan(&file);
+    window.click(text("editor-view-free"));
+    let ways = |window: &StudioWindow| {
+        place(window, "Board 2").center() - place(window, "Board 1").center()
+    };
+    let first = ways(&window);
+    let corner = canvas(&window).center_top() + vec2(0.0, 30.0);
+    drag_right(&mut window, corner, vec2(120.0, -40.0));
+    let turned = ways(&window);
+    assert!((turned - first).length() > 30.0, "{first} {turned}");
+    press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    let by_key = ways(&window);
+    assert!((by_key - turned).length() > 5.0, "nothing is selected");
+    window.click(text("view-above"));
+    window.click(text("editor-view-free"));
+    assert!((ways(&window) - by_key).length() < 0.5);
+    let before = place(&window, "Board 1");
+    drag(&mut window, before.center(), vec2(-60.0, 45.0));
+    let moved = place(&window, "Board 1").center() - before.center();
+    assert!((moved - vec2(-60.0, 45.0)).length() < 5.0, "{moved}");
+    press(&mut window, Modifiers::COMMAND, Key::ArrowRight);
+    let selected_way = ways(&window);
+    press(&mut window, Modifiers::COMMAND, Key::ArrowLeft);
+    assert!((ways(&window) - selected_way).length() > 5.0, "it turns");
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    assert_eq!(file.text(), FINGERS_AND_THUMB, "one step of undo");
+    let other = EditedFile::new("plan-free-other.ron", FINGERS_AND_THUMB);
+    window.open_in_editor(other.0.to_str().expect("a readable path"));
+    window.click(text("editor-plan"));
+    assert!((ways(&window).normalized() - by_key.normalized()).length() < 0.05);
+}
+
 #[test]
 fn boards_in_one_place_are_listed_during_the_drag_and_escape_undoes_it() {
     let file = EditedFile::new("plan-overlap.ron", FINGERS_AND_THUMB);
@@ -341,7 +397,12 @@ fn the_plan_shows_boards_arcs_and_targets_where_they_are() {
         window.click(text("editor-plan"));
         let thumb = place(&window, "Board 2");
         drag(&mut window, thumb.center(), Vec2::ZERO);
-        for view in ["editor-view-front", "view-side", "view-above"] {
+        for view in [
+            "editor-view-free",
+            "editor-view-front",
+            "view-side",
+            "view-above",
+        ] {
             window.click(text(view));
             picture::draw(&mut window, &format!("plan-{name}-{view}"));
         }

@@ -188,7 +188,7 @@ pub(super) fn place(
 }
 
 /// Returns the parts after keys were taken out of their rows, and their outlines.
-fn prepare(
+pub(super) fn prepare(
     draft: &mut Draft,
     parts: &[Part],
     minimum: usize,

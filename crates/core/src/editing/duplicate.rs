@@ -14,7 +14,7 @@ use super::rows::{SourceRow, take_out};
 use crate::document::{Node, quote, read_tree};
 
 /// The largest number of copies of one repetition: each reads the text.
-const MAX_COPIES: usize = 400;
+pub(super) const MAX_COPIES: usize = 400;
 
 /// The names and axes of a layout while parts are copied.
 pub(super) struct Names {

@@ -7,7 +7,10 @@ use super::draft::{Draft, Edited};
 use super::error::EditError;
 use super::part::Part;
 use super::patch::Patch;
-use super::{add, arrange, clipboard, delete, duplicate, fields, geometry, in_space, rename};
+use super::{
+    add, along_arc, arrange, clipboard, delete, duplicate, fields, geometry, in_space, rename,
+    scale,
+};
 
 /// An edit of a layout. Lengths in millimetres and angles in degrees of the file.
 ///
@@ -37,6 +40,16 @@ pub enum Edit {
         parts: Vec<Part>,
         /// Additional width and depth.
         by_mm: [f64; 2],
+        /// The point that stays, from (−1, −1) at the left near corner to (1, 1); (0, 0) is the center.
+        fixed: [f64; 2],
+    },
+    /// Scales positions and sizes of controls of one board about a point of their common outline. A round one stays round, and gets
+    /// the smaller factor; a turned one keeps its angle.
+    Scale {
+        /// Keys, controls or rows.
+        parts: Vec<Part>,
+        /// Factors along the rows and away from the wearer.
+        factors: [f64; 2],
         /// The point that stays, from (−1, −1) at the left near corner to (1, 1); (0, 0) is the center.
         fixed: [f64; 2],
     },
@@ -105,6 +118,18 @@ pub enum Edit {
         count: [usize; 2],
         /// Distances to the right and away from the wearer.
         pitch_mm: [f64; 2],
+    },
+    /// Copies controls along an arc of a circle, turned with it where they can be turned. The selected ones are the first; the
+    /// center of the circle is towards the wearer from their middle.
+    RepeatAlongArc {
+        /// Keys, controls or rows.
+        parts: Vec<Part>,
+        /// Their number, with the first.
+        count: usize,
+        /// Angle from one to the next, to the right.
+        step_deg: f64,
+        /// Radius; a negative one has its center on the far side.
+        radius_mm: f64,
     },
     /// Adds copies of controls from a text that [`copied`](super::copied) has made.
     Paste {
@@ -205,6 +230,11 @@ fn apply(draft: &mut Draft, edit: &Edit) -> Result<Vec<Part>, EditError> {
             by_mm,
             fixed,
         } => geometry::resize(draft, parts, *by_mm, *fixed),
+        Edit::Scale {
+            parts,
+            factors,
+            fixed,
+        } => scale::scale(draft, parts, *factors, *fixed),
         Edit::Turn { parts, degrees } => geometry::turn(draft, parts, *degrees),
         Edit::TurnInSpace { parts, degrees } => in_space::turn(draft, parts, *degrees),
         Edit::Tilt { parts, degrees } => geometry::tilt(draft, parts, *degrees),
@@ -218,6 +248,12 @@ fn apply(draft: &mut Draft, edit: &Edit) -> Result<Vec<Part>, EditError> {
             count,
             pitch_mm,
         } => duplicate::repeat(draft, parts, *count, *pitch_mm),
+        Edit::RepeatAlongArc {
+            parts,
+            count,
+            step_deg,
+            radius_mm,
+        } => along_arc::repeat_along_arc(draft, parts, *count, *step_deg, *radius_mm),
         Edit::Paste { board, text, by_mm } => clipboard::paste(draft, *board, text, *by_mm),
         Edit::Duplicate { parts, by_mm } => duplicate::duplicate(draft, parts, *by_mm),
         Edit::Delete { parts } => delete::delete(draft, parts),

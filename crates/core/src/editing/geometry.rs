@@ -296,7 +296,7 @@ pub fn places(text: &str, parts: Vec<Part>) -> Vec<(Part, Place)> {
     parts.into_iter().filter_map(place).collect()
 }
 
-fn place(draft: &Draft, part: Part) -> Result<Place, EditError> {
+pub(super) fn place(draft: &Draft, part: Part) -> Result<Place, EditError> {
     let (own, center) = match part {
         Part::RowKey { board, row, column } => {
             let source = SourceRow::read(draft, board, row)?;
@@ -369,7 +369,7 @@ fn outline(draft: &Draft, part: Part) -> Option<&Node> {
     own.or_else(|| draft.field(Part::Board(part.board()?), "size_mm"))
 }
 
-fn is_round(draft: &Draft, part: Part) -> bool {
+pub(super) fn is_round(draft: &Draft, part: Part) -> bool {
     match size_fields(part) {
         Some(SizeFields::Diameter) => true,
         Some(SizeFields::Outline) => {
@@ -403,7 +403,7 @@ fn size_of(draft: &Draft, outline: &Node, field: &str) -> Result<[f64; 2], EditE
 }
 
 /// Returns width and depth before the rotation.
-fn size(draft: &Draft, part: Part) -> Result<Option<[f64; 2]>, EditError> {
+pub(super) fn size(draft: &Draft, part: Part) -> Result<Option<[f64; 2]>, EditError> {
     let default = Size::default().get();
     let Some(fields) = size_fields(part) else {
         return Ok(None);
@@ -426,7 +426,8 @@ fn size(draft: &Draft, part: Part) -> Result<Option<[f64; 2]>, EditError> {
     }))
 }
 
-fn set_size(draft: &mut Draft, part: Part, [width, depth]: [f64; 2]) -> Result<(), EditError> {
+pub(super) fn set_size(draft: &mut Draft, part: Part, new: [f64; 2]) -> Result<(), EditError> {
+    let [width, depth] = new;
     let default = Size::default().get();
     match size_fields(part) {
         Some(SizeFields::Track) => {
@@ -462,7 +463,7 @@ fn set_size(draft: &mut Draft, part: Part, [width, depth]: [f64; 2]) -> Result<(
 }
 
 /// Returns the rotation in the plane of the board, in degrees.
-fn rotation(draft: &Draft, part: Part) -> Result<f64, EditError> {
+pub(super) fn rotation(draft: &Draft, part: Part) -> Result<f64, EditError> {
     match part {
         Part::Control {
             kind: ControlKind::Key,
@@ -485,7 +486,7 @@ pub(super) fn wrapped(degrees: f64) -> f64 {
     }
 }
 
-fn required<const N: usize>(numbers: Option<[f64; N]>) -> Result<[f64; N], EditError> {
+pub(super) fn required<const N: usize>(numbers: Option<[f64; N]>) -> Result<[f64; N], EditError> {
     numbers.ok_or_else(|| EditError::Field("at_mm".into()))
 }
 

@@ -5,6 +5,7 @@
 //! the layout.
 
 mod add;
+mod along_arc;
 mod arrange;
 mod axes;
 mod bind;
@@ -22,6 +23,7 @@ mod part;
 mod patch;
 mod rename;
 mod rows;
+mod scale;
 
 pub use self::add::{NewPart, beside};
 pub use self::arrange::{AlignEdge, BoardAxis, PlaceTo};

@@ -2,6 +2,7 @@
 
 use parry3d::math::Vec2;
 
+use super::group::{self, Scaling};
 use super::handles::{self, Handle};
 use super::selection::{self, Selection};
 use super::snap::{Guide, SnapSettings, snap_move};
@@ -29,6 +30,13 @@ pub enum Gesture {
         /// The handle.
         handle: Handle,
     },
+    /// A drag of a corner of the frame around several selected items from this point.
+    Scale {
+        /// The start, in millimetres.
+        from: Vec2,
+        /// The corner, by its index in [`CORNERS`](super::CORNERS).
+        corner: usize,
+    },
 }
 
 /// The result of a gesture so far.
@@ -40,6 +48,8 @@ pub struct Preview {
     pub guides: Vec<Guide>,
     /// The rubber band.
     pub band: Option<Bounds>,
+    /// The scaling of several items.
+    pub scaling: Option<Scaling>,
 }
 
 /// Selects what a press is on, and starts a gesture. `adds` keeps what is selected, as with Shift.
@@ -55,6 +65,12 @@ pub fn begin(
         && let Some(handle) = handles::handle_at(item, point, scale)
     {
         return Gesture::Handle { index, handle };
+    }
+    if let Some(frame) = group::frame(items, selected)
+        && let Some(corner) = group::handle_at(frame, point, scale)
+    {
+        let from = point;
+        return Gesture::Scale { from, corner };
     }
     match item_at(items, point) {
         Some(index) => {
@@ -98,6 +114,9 @@ impl Gesture {
                 }
             }
             Self::Move { from } => moved(items, selected, point - *from, snap),
+            Self::Scale { from, corner } => {
+                scaled(items, selected, *corner, point - *from, snap.grid_mm)
+            }
             Self::Handle { index, handle } => {
                 let shape = items.get(*index).map(|item| {
                     let shape = match handle {
@@ -133,7 +152,31 @@ pub fn moved(items: &[Item], selected: &Selection, offset: Vec2, snap: SnapSetti
     Preview {
         shapes,
         guides: snapped.guides,
-        band: None,
+        ..Preview::default()
+    }
+}
+
+/// Returns the selected items scaled by a drag of a corner of the frame around them.
+fn scaled(
+    items: &[Item],
+    selected: &Selection,
+    corner: usize,
+    drag: Vec2,
+    grid_mm: f32,
+) -> Preview {
+    let frame = group::frame(items, selected);
+    let Some(frame) = frame.filter(|_| drag != Vec2::ZERO) else {
+        return Preview::default();
+    };
+    let mut shapes = selected.shapes(items);
+    let scaling = Scaling::new(frame, &shapes, corner, drag, grid_mm);
+    for (_, shape) in &mut shapes {
+        *shape = scaling.apply(shape);
+    }
+    Preview {
+        shapes,
+        scaling: Some(scaling),
+        ..Preview::default()
     }
 }
 
@@ -190,6 +233,28 @@ mod tests {
         let gesture = begin(&items, &mut selected, Vec2::new(8.4, 8.4), 3.0, false);
         let handle = Handle::Corner(2);
         assert_eq!(gesture, Gesture::Handle { index: 0, handle });
+    }
+
+    #[test]
+    fn a_corner_of_the_frame_around_several_keys_scales_them() {
+        let (items, mut selected) = (row(), Selection::default());
+        selected.set([0, 2]);
+        let frame = group::frame(&items, &selected).unwrap();
+        let from = group::handles(frame, 3.0)[2];
+        let gesture = begin(&items, &mut selected, from, 3.0, false);
+        assert_eq!(gesture, Gesture::Scale { from, corner: 2 });
+        let still = gesture.preview(&items, &mut selected, from, SnapSettings::OFF);
+        assert_eq!(still, Preview::default());
+        let to = from + frame.size();
+        let preview = gesture.preview(&items, &mut selected, to, SnapSettings::OFF);
+        let centers: Vec<Vec2> = preview.shapes.iter().map(|(_, it)| it.center).collect();
+        assert_eq!(centers, [Vec2::splat(8.5), Vec2::new(84.5, 8.5)]);
+        assert!(
+            preview
+                .shapes
+                .iter()
+                .all(|(_, it)| it.half == Vec2::splat(17.0))
+        );
     }
 
     #[test]

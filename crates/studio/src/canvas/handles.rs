@@ -9,10 +9,10 @@ use super::{CORNERS, Item, ItemShape};
 const TURN_DISTANCE: f32 = 22.0;
 
 /// Distance from the middle of a handle at which it is hit, in points.
-const HIT_RADIUS: f32 = 8.0;
+pub(super) const HIT_RADIUS: f32 = 8.0;
 
 /// Smallest and largest size of an item, in millimetres: the limits of the file format.
-const SIZES: (f32, f32) = (1.0, 500.0);
+pub(super) const SIZES: (f32, f32) = (1.0, 500.0);
 
 /// Angle at which an item that is turned snaps, in degrees.
 const TURN_STEP: f32 = 5.0;

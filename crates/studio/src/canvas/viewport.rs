@@ -120,6 +120,11 @@ impl AreaViewport {
         self.viewport.unwrap_or_default()
     }
 
+    /// Returns the viewport of the last picture; `None` if the next one shows everything.
+    pub fn viewport(&self) -> Option<Viewport> {
+        self.viewport
+    }
+
     /// Keeps a viewport that was moved.
     pub fn move_to(&mut self, viewport: Viewport) {
         if self.viewport != Some(viewport) {

@@ -226,11 +226,11 @@ impl PanelState {
 
     /// Opens a layout in the editor, for the hands of a setup, and shows the editor.
     pub fn edit(&mut self, name: &str, fit: Fit) -> Result<(), DocumentError> {
-        self.editor = Some(Ok(EditorPanel::open(
-            name,
-            fit,
-            self.unsaved_work.as_deref(),
-        )?));
+        let opened = EditorPanel::open(name, fit, self.unsaved_work.as_deref())?;
+        self.editor = Some(Ok(match &self.editor {
+            Some(Ok(before)) => opened.with_choices_of(before),
+            _ => opened,
+        }));
         self.workspace = Workspace::Layout;
         Ok(())
     }

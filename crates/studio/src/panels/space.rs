@@ -95,7 +95,7 @@ pub(super) fn show(
     let colors = look::scene_colors(ui.visuals());
     let picture = scene::draw(context.model, &state.camera, extent, &colors, state.scene);
     paint(&ui.painter_at(area), area, &picture, colors.background);
-    let background = color32(colors.background).gamma_multiply(0.7);
+    let background = hint_background(colors.background);
     let hint = match context.fingertip {
         Some(_) => text("hint-fingertip-camera"),
         None => text("hint-camera"),
@@ -180,8 +180,13 @@ fn show_typed(ui: &mut egui::Ui, area: Rect, context: &PanelContext, background:
         .on_hover_text(text("typed-hint"));
 }
 
-/// Shows the movements of the mouse at the lower edge, with a background of their own over the hand.
-fn show_hint(ui: &egui::Ui, area: Rect, hint: &str, background: Color32) {
+/// Returns the colour behind words over a picture with this background.
+pub fn hint_background(background: Color) -> Color32 {
+    color32(background).gamma_multiply(0.7)
+}
+
+/// Shows the movements of the mouse at the lower edge, with a background of their own over what is drawn there.
+pub fn show_hint(ui: &egui::Ui, area: Rect, hint: &str, background: Color32) {
     let painter = ui.painter_at(area);
     let color = ui.visuals().text_color();
     let font = FontId::proportional(12.0);

@@ -4,7 +4,7 @@ use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::Canvas;
 use crate::model::StudioModel;
-use crate::picture::{Color, Label, capsule, convex_hull};
+use crate::picture::{Color, Label, convex_hull, disc};
 use ademan_core::contact::TargetId;
 use ademan_core::contact::volume::{Volume, VolumeShape};
 use ademan_core::device::pointer::mode::{DirectPointing, RayOrigin, RayPointing};
@@ -99,10 +99,10 @@ pub(super) fn add_volume(canvas: &mut Canvas, frame: &Pose, volume: &Volume, is_
     match volume.shape {
         VolumeShape::Ball(radius) => {
             if let Some(center) = canvas.project(*frame * volume.center) {
-                let disc = (center.position, radius * center.scale);
+                let (at, radius) = (center.position, radius * center.scale);
                 let below = &mut canvas.picture.below;
-                below.add_flat_polygon(&capsule(disc, disc), color);
-                below.add_ring(disc.0, disc.1, LINE_WIDTH, color.with_opacity(0.9));
+                below.add_flat_polygon(&disc(at, radius), color);
+                below.add_ring(at, radius, LINE_WIDTH, color.with_opacity(0.9));
             }
         }
         VolumeShape::Box(half) => {
@@ -215,11 +215,11 @@ fn add_ray(canvas: &mut Canvas, model: &StudioModel, from: RayOrigin, cursor: Ve
 
 fn add_cursor(canvas: &mut Canvas, position: Vec3) {
     if let Some(center) = canvas.project(position) {
-        let disc = (center.position, CURSOR_RADIUS);
+        let at = center.position;
         let (fill, edge) = (canvas.colors.lit, canvas.colors.lit_label);
         let marks = &mut canvas.picture.marks;
-        marks.add_flat_polygon(&capsule(disc, disc), fill);
-        marks.add_ring(disc.0, disc.1, LINE_WIDTH, edge);
+        marks.add_flat_polygon(&disc(at, CURSOR_RADIUS), fill);
+        marks.add_ring(at, CURSOR_RADIUS, LINE_WIDTH, edge);
     }
 }
 

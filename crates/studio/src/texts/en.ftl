@@ -431,6 +431,8 @@ editor-snap-hint = Edges and centers of other keys, and the grid, attract what i
 editor-try = Try at once
 editor-try-hint = The running session uses the edited text before it is saved. Each valid edit releases everything first; a finger inside a key must leave it. Off: the session returns to the saved text.
 editor-grid = Grid
+editor-rulers = Rulers
+editor-rulers-hint = Millimetres along the upper and the left edge, with the pointer and what is selected
 editor-fit = Show all
 editor-fit-hint = Show the whole board
 editor-board = Board { $number }
@@ -511,6 +513,11 @@ editor-columns = Columns
 editor-rows = Rows
 editor-pitch-x = To the right
 editor-pitch-y = Away
+editor-repeat-arc = Repeat along an arc
+editor-repeat-arc-hint = The copies turn with the arc. Its center is towards the wearer; with a negative radius it is on the far side.
+editor-arc-count = Number
+editor-arc-step = Angle between
+editor-arc-radius = Radius
 editor-palette = Commands
 editor-palette-hint = Part of a name
 editor-mixed = mixed
@@ -533,7 +540,9 @@ editor-plan = All boards
 editor-plan-tab-hint = All boards and targets in space where they are, with the hand at rest
 editor-plan-canvas = Plan of all boards
 editor-plan-hint = drag: move (Alt: freely) · round handles: turn, tilt, bend · double click: open a board · right drag: pan · scroll: zoom
+editor-plan-free-hint = drag: move in the plane of the picture (Alt: freely) · right drag, Ctrl-arrows: turn the view · middle drag: pan · scroll: zoom
 editor-view-front = From the front
+editor-view-free = Free view
 
 ## First start
 

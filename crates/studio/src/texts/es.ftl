@@ -431,6 +431,8 @@ editor-snap-hint = Los bordes y centros de otras teclas, y la cuadrícula, atrae
 editor-try = Probar al momento
 editor-try-hint = La sesión usa el texto editado antes de guardarlo. Cada cambio válido suelta primero todas las teclas; un dedo dentro de una tecla debe salir de ella. Desactivado: la sesión vuelve al texto guardado.
 editor-grid = Cuadrícula
+editor-rulers = Reglas
+editor-rulers-hint = Milímetros en los bordes superior e izquierdo, con el puntero y lo seleccionado
 editor-fit = Ver todo
 editor-fit-hint = Mostrar todo el tablero
 editor-board = Tablero { $number }
@@ -511,6 +513,11 @@ editor-columns = Columnas
 editor-rows = Filas
 editor-pitch-x = A la derecha
 editor-pitch-y = Hacia delante
+editor-repeat-arc = Repetir en arco
+editor-repeat-arc-hint = Las copias giran con el arco. Su centro queda hacia la persona; con un radio negativo, al otro lado.
+editor-arc-count = Cantidad
+editor-arc-step = Ángulo entre piezas
+editor-arc-radius = Radio
 editor-palette = Comandos
 editor-palette-hint = Parte de un nombre
 editor-mixed = varios
@@ -533,7 +540,9 @@ editor-plan = Todos los tableros
 editor-plan-tab-hint = Todos los tableros y objetivos en el espacio donde están, con la mano en reposo
 editor-plan-canvas = Plano de todos los tableros
 editor-plan-hint = arrastrar: mover (Alt: libre) · asas redondas: girar, inclinar, curvar · doble clic: abrir un tablero · botón derecho: desplazar · rueda: zoom
+editor-plan-free-hint = arrastrar: mover en el plano de la imagen (Alt: libre) · botón derecho, Ctrl-flechas: girar la vista · botón central: desplazar · rueda: zoom
 editor-view-front = De frente
+editor-view-free = Vista libre
 
 ## First start
 

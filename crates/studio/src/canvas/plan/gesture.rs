@@ -97,7 +97,9 @@ pub fn begin(
         (false, None) => *selected = vec![item.part],
     }
     let is_moved = |part: Part| selected.contains(&part);
-    let others = plan.items.iter().filter(|other| !is_moved(other.part));
+    // Edges that meet on a picture from an angle need not meet in space.
+    let attracts = |part: Part| !view.is_free() && !is_moved(part);
+    let others = plan.items.iter().filter(|other| attracts(other.part));
     PlanGesture::Move {
         from: point,
         parts: selected.clone(),
@@ -190,10 +192,9 @@ fn dragged(
     };
     match handle {
         PlanHandle::Turn => {
-            let pivot = handles::pivot(board, view);
-            let turned = (from - pivot).angle_to(to - pivot);
+            let turned = handles::turned_deg(board, view, [from, to])?;
             let old = item.written.bearing_deg;
-            let new = rounded(old - f64::from(turned.to_degrees()), step);
+            let new = rounded(old - f64::from(turned), step);
             let degrees = rounded(old - new, 0.01);
             (degrees != 0.0).then_some(Edit::TurnInSpace { parts, degrees })
         }
@@ -229,7 +230,7 @@ impl WrittenPose {
             // Up is up whatever the bearing is.
             let [_, _, up] = self.position_mm;
             return match view {
-                PlanView::Above => Vec2::ZERO,
+                PlanView::Above | PlanView::Free { .. } => Vec2::ZERO,
                 PlanView::Front | PlanView::Side => Vec2::new(0.0, up as f32),
             };
         }
@@ -245,6 +246,7 @@ impl WrittenPose {
             PlanView::Above => Vec2::new(x, away),
             PlanView::Front => Vec2::new(x, up),
             PlanView::Side => Vec2::new(away, up),
+            PlanView::Free { .. } => Vec2::ZERO,
         }
     }
 }

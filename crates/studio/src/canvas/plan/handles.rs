@@ -19,6 +19,9 @@ const BEND_MARGIN_MM: f32 = 12.0;
 /// The smallest part of a direction, or of the plane of a bend, that a view must show for a handle that changes it.
 const LEAST_SHOWN: f32 = 0.4;
 
+/// To the right and away from the wearer.
+const GROUND: [Vec3; 2] = [Vec3::X, Vec3::NEG_Z];
+
 /// The number of radii that are tried before the best one is refined.
 const RADII: usize = 160;
 
@@ -52,21 +55,19 @@ pub fn handle_at(item: &PlanItem, view: PlanView, point: Vec2, scale: f32) -> Op
 fn position(board: &PlanBoard, view: PlanView, scale: f32, handle: PlanHandle) -> Option<Vec2> {
     match handle {
         PlanHandle::Turn => {
-            let forward = (view == PlanView::Above).then(|| forward(board))?;
-            Some(beyond(board, view, view.flatten(forward), scale))
+            shown_plane(view, GROUND)?;
+            Some(beyond(board, view, view.flatten(forward(board)), scale))
         }
         PlanHandle::Tilt => {
-            tilted_part(board, view)?;
+            shown_plane(view, [forward(board), Vec3::Y])?;
             let away = board.pose.rotation * Vec3::Y;
             Some(beyond(board, view, view.flatten(away), scale))
         }
         PlanHandle::Bend => {
-            let (along, drop) = bend_directions(board.shape)?;
-            let [along, drop] =
-                [along, drop].map(|it| view.flatten(board.pose.rotation * it) / 1e3);
-            let shown = along.perp_dot(drop).abs();
+            let bend = bend_directions(board.shape)?;
+            shown_plane(view, bend.map(|it| board.pose.rotation * it))?;
             let radius = drawn_radius_mm(board.shape)?;
-            (shown >= LEAST_SHOWN).then(|| bend_end(board, view, radius))
+            Some(bend_end(board, view, radius))
         }
     }
 }
@@ -95,27 +96,40 @@ pub fn pivot(board: &PlanBoard, view: PlanView) -> Vec2 {
     view.flatten(board.pose * pivot)
 }
 
-/// Returns the part of the bearing that is along the X axis of a view, or `None` if it shows too little of a tilt.
-fn tilted_part(board: &PlanBoard, view: PlanView) -> Option<f32> {
-    let along = view.flatten(forward(board)).x / 1e3;
-    (view != PlanView::Above && along.abs() >= LEAST_SHOWN).then_some(along)
+/// Returns two directions of a plane as they are on a picture, per metre; `None` if the view shows too little of the plane.
+fn shown_plane(view: PlanView, plane: [Vec3; 2]) -> Option<[Vec2; 2]> {
+    let [first, second] = plane.map(|direction| view.flatten(direction) / 1e3);
+    (first.perp_dot(second).abs() >= LEAST_SHOWN).then_some([first, second])
+}
+
+/// Returns a vector on the picture as parts of two directions on it.
+fn parts_of([first, second]: [Vec2; 2], way: Vec2) -> Vec2 {
+    Vec2::new(way.perp_dot(second), first.perp_dot(way)) / first.perp_dot(second)
+}
+
+/// Returns the angle about the vertical by which a board turns between two points, counter-clockwise as seen from above.
+pub fn turned_deg(board: &PlanBoard, view: PlanView, points: [Vec2; 2]) -> Option<f32> {
+    let ground = shown_plane(view, GROUND)?;
+    let pivot = pivot(board, view);
+    let [from, to] = points.map(|point| parts_of(ground, point - pivot));
+    Some(from.angle_to(to).to_degrees())
 }
 
 /// Returns the tilt with which the far side of a board points to a point, −90..=90°.
 pub fn tilt_deg(board: &PlanBoard, view: PlanView, point: Vec2) -> Option<f32> {
-    let along = tilted_part(board, view)?;
-    let way = point - view.flatten(board.pose.translation);
-    let tilt = way.y.atan2(way.x / along).to_degrees();
+    let upright = shown_plane(view, [forward(board), Vec3::Y])?;
+    let way = parts_of(upright, point - view.flatten(board.pose.translation));
+    let tilt = way.y.atan2(way.x).to_degrees();
     Some(tilt.clamp(-90.0, 90.0))
 }
 
 /// Returns the directions in the frame of a board along its bent rows or columns, and to which their ends bend.
-const fn bend_directions(shape: BoardShape) -> Option<(Vec3, Vec3)> {
+const fn bend_directions(shape: BoardShape) -> Option<[Vec3; 2]> {
     match shape {
         BoardShape::Flat => None,
-        BoardShape::Arc(_) => Some((Vec3::X, Vec3::NEG_Y)),
-        BoardShape::CurvedRows(_) => Some((Vec3::X, Vec3::Z)),
-        BoardShape::CurvedColumns(_) => Some((Vec3::Y, Vec3::Z)),
+        BoardShape::Arc(_) => Some([Vec3::X, Vec3::NEG_Y]),
+        BoardShape::CurvedRows(_) => Some([Vec3::X, Vec3::Z]),
+        BoardShape::CurvedColumns(_) => Some([Vec3::Y, Vec3::Z]),
     }
 }
 

@@ -451,4 +451,6 @@ fn number(editor: &LayoutEditor, part: Part, field: &str) -> Option<f64> {
 }
 
 #[cfg(test)]
+mod free_tests;
+#[cfg(test)]
 pub(crate) mod tests;

@@ -1,11 +1,8 @@
 //! The bar of the layout editor: boards, undo, save, arrangement.
 
-use std::mem;
+use eframe::egui;
 
-use eframe::egui::containers::menu::{MenuButton, MenuConfig};
-use eframe::egui::{self, Popup, PopupCloseBehavior};
-
-use super::{EditorPanel, icons, palette, plan};
+use super::{EditorPanel, icons, palette, plan, repeat};
 use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart, Part};
 use crate::texts::{Language, language, text, text_with};
 
@@ -175,51 +172,7 @@ fn show_arrangement(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             panel.apply(&Edit::Mirror { parts, axis });
         }
     }
-    ui.add_enabled_ui(count > 0, |ui| {
-        // A click into a number must not close it.
-        let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-        let menu = MenuButton::new(text("editor-repeat")).config(stays);
-        let (button, _) = menu.ui(ui, |ui| show_repeat(ui, panel));
-        let is_asked = mem::take(&mut panel.repeat.is_asked);
-        if is_asked {
-            Popup::open_id(ui.ctx(), Popup::default_response_id(&button));
-        }
-        if is_asked || button.clicked() {
-            panel.propose_repeat();
-        }
-    });
-}
-
-/// Shows the numbers of a repetition, and a button that makes it.
-fn show_repeat(ui: &mut egui::Ui, panel: &mut EditorPanel) {
-    let repeat = &mut panel.repeat;
-    egui::Grid::new("editor-repeat").show(ui, |ui| {
-        let counts = ["editor-columns", "editor-rows"];
-        for (name, count) in counts.into_iter().zip(&mut repeat.count) {
-            let label = ui.label(text(name));
-            let number = egui::DragValue::new(count).range(1..=40).speed(0.05);
-            ui.add(number).labelled_by(label.id);
-            ui.end_row();
-        }
-        let pitches = ["editor-pitch-x", "editor-pitch-y"];
-        for (name, pitch) in pitches.into_iter().zip(&mut repeat.pitch_mm) {
-            let label = ui.label(text(name));
-            let number = egui::DragValue::new(pitch).range(-500.0..=500.0);
-            ui.add(number.speed(0.1).suffix(" mm"))
-                .labelled_by(label.id);
-            ui.end_row();
-        }
-    });
-    if ui.button(text("editor-repeat-now")).clicked() {
-        let (count, pitch_mm) = (repeat.count, repeat.pitch_mm);
-        let parts = panel.selected_parts();
-        panel.apply(&Edit::Repeat {
-            parts,
-            count,
-            pitch_mm,
-        });
-        ui.close();
-    }
+    repeat::show(ui, panel, count > 0);
 }
 
 fn show_snapping(ui: &mut egui::Ui, panel: &mut EditorPanel) {
@@ -237,6 +190,8 @@ fn show_snapping(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     shown
         .response
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+    ui.checkbox(&mut panel.has_rulers, text("editor-rulers"))
+        .on_hover_text(text("editor-rulers-hint"));
     if button(ui, text("editor-fit"), text("editor-fit-hint"), true) {
         panel.show_all();
     }

@@ -6,14 +6,14 @@ use eframe::egui::{self, EventFilter, PointerButton, Sense};
 use parry3d::math::Vec2;
 
 use super::super::{PanelContext, look, space};
-use super::{EditorPanel, palette, rounded};
+use super::{EditorPanel, palette, rounded, rulers};
 use crate::canvas::board::Fingertip;
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::{self, Gesture, Preview};
 use crate::canvas::handles::{self, Handle};
 use crate::canvas::snap::SnapSettings;
 use crate::canvas::viewport::Viewport;
-use crate::canvas::{Bounds, CORNERS, bend, item_at};
+use crate::canvas::{Bounds, CORNERS, bend, group, item_at};
 use crate::editor::{Edit, Part};
 use crate::model::StudioModel;
 use crate::texts::text;
@@ -35,6 +35,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
         hint: text("editor-hint"),
     };
     paint(ui, panel, context, (area, &viewport), &over);
+    if panel.has_rulers {
+        rulers::paint(ui, (area, &viewport), panel.selected_bounds());
+    }
 }
 
 /// Does what mouse and keyboard ask for. Returns the area of the canvas and the part of the board in it; `None` without room.
@@ -97,6 +100,7 @@ pub(super) fn keep_arrow_keys(ui: &egui::Ui, response: &egui::Response) {
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
 }
 
+/// Pans and zooms by the mouse.
 pub(super) fn move_view(
     ui: &egui::Ui,
     response: &egui::Response,
@@ -104,16 +108,27 @@ pub(super) fn move_view(
     to_local: impl Fn(egui::Pos2) -> Vec2,
     size: Vec2,
 ) {
-    let pans =
-        response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary);
-    if pans {
-        let drag = response.drag_delta();
-        viewport.pan(Vec2::new(drag.x, drag.y));
+    if response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary) {
+        pan(response, viewport);
     }
+    zoom(ui, response, viewport, to_local, size);
+}
+
+pub(super) fn pan(response: &egui::Response, viewport: &mut Viewport) {
+    let drag = response.drag_delta();
+    viewport.pan(Vec2::new(drag.x, drag.y));
+}
+
+pub(super) fn zoom(
+    ui: &egui::Ui,
+    response: &egui::Response,
+    viewport: &mut Viewport,
+    to_local: impl Fn(egui::Pos2) -> Vec2,
+    size: Vec2,
+) {
     if let Some(at) = response.hover_pos() {
-        let (scroll, zoom) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-        let factor = (scroll * 0.002).exp() * zoom;
-        viewport.zoom_at(to_local(at), size, factor);
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        viewport.zoom_at(to_local(at), size, (scroll * 0.002).exp() * pinch);
     }
 }
 
@@ -222,6 +237,15 @@ fn edit_of(panel: &EditorPanel, gesture: &Gesture, preview: &Preview) -> Option<
     match gesture {
         Gesture::Band { .. } => None,
         Gesture::Move { .. } => panel.movement(panel.selected_parts(), new.center - old.center),
+        Gesture::Scale { corner, .. } => {
+            let (factors, fixed) = (preview.scaling?.factors, -CORNERS[*corner]);
+            let numbers = |it: Vec2| it.to_array().map(f64::from);
+            Some(Edit::Scale {
+                parts: panel.selected_parts(),
+                factors: numbers(factors),
+                fixed: numbers(fixed),
+            })
+        }
         Gesture::Handle { handle, .. } => Some(match handle {
             Handle::Turn => Edit::Turn {
                 parts,
@@ -251,6 +275,21 @@ impl EditorPanel {
             Some(radius) => Some(self.bend_to(radius)),
             None => edit_of(self, self.gesture.as_ref()?, &self.preview),
         }
+    }
+
+    /// Returns `true` while something is dragged on the canvas.
+    pub(super) fn is_dragging_on_canvas(&self) -> bool {
+        self.gesture.is_some() || self.dragged_radius.is_some()
+    }
+
+    /// Ends a drag on the canvas without an edit.
+    pub(super) fn cancel_drag(&mut self) {
+        if let Some(Gesture::Band { before, .. }) = self.gesture.take() {
+            self.selected = before;
+            self.select_items_in_editor();
+        }
+        self.preview = Preview::default();
+        self.dragged_radius = None;
     }
 
     /// Returns the edit that gives the board a radius, in millimetres.
@@ -283,15 +322,21 @@ fn drag_bend(panel: &mut EditorPanel, point: Vec2, is_down: bool) {
 }
 
 fn set_cursor(ui: &egui::Ui, panel: &EditorPanel, point: Vec2, scale: f32) {
-    let single = panel.selected.single();
-    let item = single.and_then(|index| panel.items.items.get(index));
+    let items = &panel.items.items;
+    let item = panel.selected.single().and_then(|index| items.get(index));
     let handle = item.and_then(|item| handles::handle_at(item, point, scale));
-    let icon = match (&panel.gesture, handle) {
-        (Some(Gesture::Move { .. }), _) if !panel.preview.shapes.is_empty() => {
+    let corner = match panel.gesture {
+        Some(Gesture::Scale { corner, .. }) => Some(corner),
+        _ => group::frame(items, &panel.selected)
+            .and_then(|frame| group::handle_at(frame, point, scale)),
+    };
+    let icon = match (&panel.gesture, handle, corner) {
+        (Some(Gesture::Move { .. }), ..) if !panel.preview.shapes.is_empty() => {
             egui::CursorIcon::Grabbing
         }
-        (_, Some(Handle::Turn)) => egui::CursorIcon::Crosshair,
-        (_, Some(Handle::Corner(_))) => egui::CursorIcon::ResizeNwSe,
+        (_, Some(Handle::Turn), _) => egui::CursorIcon::Crosshair,
+        (_, Some(Handle::Corner(_)), _) | (_, _, Some(1 | 3)) => egui::CursorIcon::ResizeNwSe,
+        (_, _, Some(_)) => egui::CursorIcon::ResizeNeSw,
         _ => return,
     };
     ui.ctx().set_cursor_icon(icon);
@@ -325,10 +370,8 @@ pub(super) fn paint(
     let picture = draw::draw(&scene, viewport, size, &colors);
     let painter = ui.painter_at(area);
     space::paint(&painter, area, &picture, colors.background);
-    let hint = area.center_bottom() - egui::vec2(0.0, 8.0);
-    let font = egui::FontId::proportional(12.0);
-    let color = ui.visuals().weak_text_color();
-    painter.text(hint, egui::Align2::CENTER_BOTTOM, over.hint, font, color);
+    let background = space::hint_background(colors.background);
+    space::show_hint(ui, area, over.hint, background);
 }
 
 /// Returns the layout of the editor, if the session uses the present text.

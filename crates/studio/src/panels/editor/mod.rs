@@ -6,6 +6,7 @@ mod canvas;
 mod drafts;
 mod field_row;
 mod form;
+mod free_view;
 mod heat;
 mod icons;
 mod key_press;
@@ -16,9 +17,13 @@ mod outside;
 mod palette;
 mod plan;
 mod problems;
+mod repeat;
+mod rulers;
 mod several;
 mod shortcuts;
 mod steps;
+#[cfg(test)]
+mod arrange_tests;
 #[cfg(test)]
 mod menu_tests;
 #[cfg(test)]
@@ -52,12 +57,12 @@ use self::binding::BindingState;
 pub(super) use self::binding::capture as capture_key;
 use self::form::FormState;
 pub(super) use self::heat::{BoardHeat, show as show_heat};
-use self::new_parts::Repeat;
 use self::open::OpenQuestion;
 use self::outside::{SaveAs, SaveQuestion};
 pub(super) use self::outside::{guard_close, keep_unfinished};
 use self::palette::Palette;
 use self::plan::PlanPanel;
+use self::repeat::Repeat;
 use self::shortcuts::Nudge;
 
 /// The editor between two pictures.
@@ -89,7 +94,9 @@ pub struct EditorPanel {
     /// Edges and centers of other items and the grid attract.
     snaps: bool,
     grid_mm: f32,
-    /// Numbers of the next repetition.
+    /// Rulers are shown along the canvas and the plan.
+    has_rulers: bool,
+    /// Numbers of the next repetitions.
     repeat: Repeat,
     palette: Palette,
     binding: BindingState,
@@ -142,6 +149,16 @@ impl EditorPanel {
         Ok(panel)
     }
 
+    /// Keeps what was chosen for another layout: snapping, rulers, and the view of all boards.
+    #[must_use]
+    pub(super) fn with_choices_of(mut self, other: &Self) -> Self {
+        self.snaps = other.snaps;
+        self.grid_mm = other.grid_mm;
+        self.has_rulers = other.has_rulers;
+        (self.plan.view, self.plan.free) = (other.plan.view, other.plan.free);
+        self
+    }
+
     fn new(editor: LayoutEditor) -> Self {
         Self {
             plan: PlanPanel::new(editor.count("boards"), editor.count("spaces")),
@@ -160,6 +177,7 @@ impl EditorPanel {
             dragged_radius: None,
             snaps: true,
             grid_mm: 1.0,
+            has_rulers: true,
             repeat: Repeat::default(),
             palette: Palette::default(),
             binding: BindingState::default(),

@@ -19,30 +19,6 @@ const COPY_GAP_MM: f32 = 20.0;
 /// Places at which boards are tried in each direction until they overlap no others.
 const BOARD_PLACES: u8 = 12;
 
-/// Pitch and width of the keys of a board whose file does not give them, in millimetres.
-const DEFAULT_PITCH_MM: f32 = 19.0;
-const DEFAULT_WIDTH_MM: f32 = 17.0;
-
-/// The numbers of a repetition.
-pub(super) struct Repeat {
-    /// Its menu opens with the next picture.
-    pub is_asked: bool,
-    /// Columns and rows.
-    pub count: [usize; 2],
-    /// Distances to the right and away from the wearer, in millimetres.
-    pub pitch_mm: [f64; 2],
-}
-
-impl Default for Repeat {
-    fn default() -> Self {
-        Self {
-            is_asked: false,
-            count: [3, 1],
-            pitch_mm: [19.0, -19.0],
-        }
-    }
-}
-
 impl EditorPanel {
     /// Adds a part and shows it.
     pub(super) fn add(&mut self, new: NewPart) {
@@ -154,22 +130,6 @@ impl EditorPanel {
                 parts: parts.clone(),
                 by_mm,
             });
-        }
-    }
-
-    /// Sets the distances of a repetition at which the copies of what is selected have the gaps of the keys of a row.
-    pub(super) fn propose_repeat(&mut self) {
-        let number = |field: &str, default: f32| {
-            let written = self.editor.value(Part::Board(self.board), field);
-            let number = written.and_then(|number| number.parse().ok());
-            number.unwrap_or(default)
-        };
-        let pitch = number("pitch_mm", DEFAULT_PITCH_MM);
-        let gap = pitch - number("size_mm.0", DEFAULT_WIDTH_MM);
-        let shapes = self.selected.shapes(&self.items.items);
-        if let Some(bounds) = Bounds::around(shapes.iter().map(|(_, shape)| shape)) {
-            let distance = bounds.size() + gap.max(0.0);
-            self.repeat.pitch_mm = [rounded(distance.x), -rounded(distance.y)];
         }
     }
 

@@ -36,13 +36,7 @@ impl EditorPanel {
             return;
         }
         match Self::open(name, self.editor.fit(), self.work.as_deref()) {
-            Ok(opened) => {
-                *self = Self {
-                    snaps: self.snaps,
-                    grid_mm: self.grid_mm,
-                    ..opened
-                }
-            }
+            Ok(opened) => *self = opened.with_choices_of(self),
             Err(error) => self.message = Some(Err(error.to_string())),
         }
     }

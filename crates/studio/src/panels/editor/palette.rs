@@ -74,6 +74,9 @@ fn commands(shown: &EditorPanel) -> Vec<Command> {
         command("editor-select-all", "Ctrl-A", |panel, _| panel.select_all()),
         command("editor-fit", "", |panel, _| panel.show_all()),
         command("editor-snap", "", |panel, _| panel.snaps = !panel.snaps),
+        command("editor-rulers", "", |panel, _| {
+            panel.has_rulers = !panel.has_rulers;
+        }),
     ];
     if shown.trial.is_some() {
         commands.push(command("editor-try", "", |panel, _| {

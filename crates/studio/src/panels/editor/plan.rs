@@ -6,7 +6,7 @@ use eframe::egui::{self, PointerButton, Sense};
 use parry3d::math::Vec2;
 
 use super::super::{PanelContext, look, space};
-use super::{EditorPanel, canvas, palette};
+use super::{EditorPanel, canvas, free_view, palette, rulers};
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::Preview;
 use crate::canvas::plan::gesture::{self, PlanChange, PlanGesture};
@@ -34,9 +34,11 @@ pub(super) struct PlanPanel {
     /// The board that is shown was opened from the plan: Escape leads back.
     is_left: bool,
     pub view: PlanView,
+    /// The free view as it was turned last.
+    pub free: Option<PlanView>,
     /// The part of the plan that each view shows.
     viewports: [AreaViewport; PlanView::ALL.len()],
-    plan: Plan,
+    pub plan: Plan,
     /// The hands at rest for the plan.
     hands: Vec<HandPose>,
     /// Revision of the text of the plan.
@@ -71,8 +73,9 @@ impl PlanPanel {
         self.drag.is_some()
     }
 
-    fn viewport(&mut self) -> &mut AreaViewport {
-        &mut self.viewports[self.view as usize]
+    /// Returns the part of the plan that the view shows.
+    pub fn viewport(&mut self) -> &mut AreaViewport {
+        &mut self.viewports[self.view.index()]
     }
 }
 
@@ -95,7 +98,10 @@ impl EditorPanel {
             self.open_plan();
         }
         self.end_drag();
-        self.plan.view = view;
+        self.plan.view = match self.plan.free {
+            Some(free) if view.is_free() => free,
+            _ => view,
+        };
     }
 
     /// Shows one board in place of the plan.
@@ -127,11 +133,11 @@ impl EditorPanel {
         if plan.is_open {
             plan.drag.is_some() || !self.editor.selection().is_empty()
         } else {
-            plan.is_left || !self.selected.is_empty()
+            plan.is_left || self.is_dragging_on_canvas() || !self.selected.is_empty()
         }
     }
 
-    /// Undoes a drag, or deselects everything, or shows the plan from which a board was opened.
+    /// Ends a drag and undoes it, or deselects everything, or shows the plan from which a board was opened.
     pub(super) fn escape(&mut self) {
         if self
             .plan
@@ -145,6 +151,8 @@ impl EditorPanel {
             self.end_drag();
         } else if self.plan.is_open {
             self.editor.select([]);
+        } else if self.is_dragging_on_canvas() {
+            self.cancel_drag();
         } else if self.selected.is_empty() {
             self.open_plan();
         } else {
@@ -221,12 +229,13 @@ pub(super) const VIEWS: [(&str, PlanView); PlanView::ALL.len()] = [
     ("view-above", PlanView::Above),
     ("editor-view-front", PlanView::Front),
     ("view-side", PlanView::Side),
+    ("editor-view-free", PlanView::FREE),
 ];
 
 /// Shows the directions from which the plan is seen.
 pub(super) fn show_views(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     for (name, view) in VIEWS {
-        let is_shown = panel.plan.view == view;
+        let is_shown = panel.plan.view.index() == view.index();
         if ui.selectable_label(is_shown, text(name)).clicked() {
             panel.view_plan(view);
         }
@@ -245,6 +254,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     let name = text("editor-plan-canvas");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
     canvas::keep_arrow_keys(ui, &response);
+    free_view::turn_by_mouse(ui, &response, panel);
     let view = panel.plan.view;
     let bounds = panel.plan.plan.extent(view, |_| true);
     let revision = panel.editor.revision();
@@ -254,7 +264,11 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
         .viewport()
         .update(bounds, size, revision, is_held);
     let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
-    canvas::move_view(ui, &response, &mut viewport, to_local, size);
+    if view.is_free() {
+        free_view::move_view(ui, &response, &mut viewport, to_local, size);
+    } else {
+        canvas::move_view(ui, &response, &mut viewport, to_local, size);
+    }
     panel.plan.viewport().move_to(viewport);
     if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
         let point = viewport.to_board(to_local(at), size);
@@ -275,6 +289,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     let values = canvas::live_layout(panel, model).map(|_| &model.values);
     paint(ui, panel, values, (area, &viewport));
     show_names(ui, panel, (area, &viewport));
+    if panel.has_rulers {
+        let selection = panel.editor.selection();
+        let plan = &panel.plan.plan;
+        let selected = plan.bounds(view, |part| selection.contains(&part));
+        rulers::paint(ui, (area, &viewport), selected);
+    }
 }
 
 fn handle_mouse(
@@ -419,11 +439,13 @@ fn paint(
     }
     let marks = draw::draw(&empty(&plan.preview, false), viewport, size, &colors);
     space::paint_over(&painter, area, &marks);
-    let hint = area.center_bottom() - egui::vec2(0.0, 8.0);
-    let font = egui::FontId::proportional(12.0);
-    let color = ui.visuals().weak_text_color();
-    let words = text("editor-plan-hint");
-    painter.text(hint, egui::Align2::CENTER_BOTTOM, words, font, color);
+    let hint = text(if plan.view.is_free() {
+        "editor-plan-free-hint"
+    } else {
+        "editor-plan-hint"
+    });
+    let background = space::hint_background(colors.background);
+    space::show_hint(ui, area, hint, background);
 }
 
 /// Shows the names of the boards, and tells screen readers where everything is.

@@ -5,7 +5,7 @@ use std::mem;
 use eframe::egui::{self, Event, Key, Modifiers};
 use parry3d::math::Vec2;
 
-use super::EditorPanel;
+use super::{EditorPanel, free_view};
 use crate::canvas::plan::PlanView;
 use crate::editor::Part;
 
@@ -83,6 +83,7 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         panel.zoom_to_selection();
     }
     handle_clipboard(ui, panel);
+    free_view::turn_by_keys(ui, panel);
     let is_nothing_selected = if panel.plan.is_open {
         panel.editor.selection().is_empty()
     } else {

@@ -1,15 +1,17 @@
 //! The picture of the canvas: grid, keys, selection and guides.
 
+mod handles;
+mod radius;
+
 use parry3d::math::Vec2;
 
 use super::board::Fingertip;
 use super::gesture::Preview;
-use super::handles::{self, Handle};
 use super::selection::Selection;
 use super::viewport::Viewport;
-use super::{Bounds, Item, ItemShape, bend};
+use super::{Bounds, Item, ItemShape, group};
 use crate::marks::{FrontView, add_marks, half_width};
-use crate::picture::{Color, Label, Picture, Triangles, with_known_signs};
+use crate::picture::{Color, Label, Picture, Triangles, disc, with_known_signs};
 use crate::scene::SceneColors;
 use ademan_core::layout::{FrontMark, MarkRole};
 
@@ -19,18 +21,11 @@ const LABEL_HEIGHT: f32 = 0.36;
 /// Range of the height of labels, in points. Smaller ones are not drawn.
 const LABEL_SIZES: (f32, f32) = (6.5, 22.0);
 
-/// Height of the radius of a bend, in points.
-const RADIUS_LABEL: f32 = 9.0;
-
 /// Width of a letter as a fraction of its height, for labels that must fit their item.
 const LETTER_WIDTH: f32 = 0.78;
 
 /// Side of an item on the screen below which it is drawn without an edge, in points.
 const SMALL: f32 = 7.0;
-
-/// The longest side of a disc on the screen, in points, and the range of the number of its sides.
-const DISC_SIDE: f32 = 3.0;
-const DISC_SIDES: (usize, usize) = (24, 128);
 
 /// Width of the outline of an item with an error, in points.
 const FAULT: f32 = 3.0;
@@ -40,9 +35,6 @@ const HIDING: f32 = 0.8;
 
 /// The part of the colour in an item with the strongest one: its label stays readable.
 const HOTTEST: f32 = 0.75;
-
-/// Half the side of a square handle, in points.
-const HANDLE: f32 = 4.0;
 
 /// Everything that the picture shows.
 pub struct CanvasScene<'a> {
@@ -126,6 +118,9 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
             ..item.clone()
         });
     }
+    if let Some(frame) = framed(scene, &shapes) {
+        pen.add_frame(frame);
+    }
     for guide in &scene.preview.guides {
         pen.add_line(guide.from, guide.to, 1.5, colors.lit);
     }
@@ -136,6 +131,19 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
         pen.add_band(band);
     }
     pen.picture
+}
+
+/// Returns the frame around several selected items with these outlines.
+fn framed(scene: &CanvasScene, shapes: &[ItemShape]) -> Option<Bounds> {
+    let around = group::frame(scene.items, scene.selected)?;
+    if let Some(scaling) = scene.preview.scaling {
+        return Some(scaling.frame);
+    }
+    if scene.preview.shapes.is_empty() {
+        return Some(around);
+    }
+    let selected = scene.selected.iter();
+    Bounds::around(selected.filter_map(|index| shapes.get(index)))
 }
 
 /// The look of an item.
@@ -183,26 +191,6 @@ impl Pen<'_> {
         let side = (to - from).normalize_or_zero().perp() * (width / 2.0);
         let corners = [from + side, to + side, to - side, from - side];
         add_plain_polygon(&mut self.picture.below, &corners, color);
-    }
-
-    fn add_bend(&mut self, items: &[Item], radius: f32) {
-        let curve = bend::curve(radius, bend_half_width(items));
-        for ends in curve.windows(2) {
-            self.add_line(ends[0], ends[1], 2.0, self.colors.ring.with_opacity(0.7));
-        }
-        if let Some(&end) = curve.last() {
-            let end = self.to_screen(end);
-            let (ring, fill) = (self.colors.ring, self.colors.background);
-            self.picture.above.add_flat_polygon(&disc(end, 5.0), fill);
-            self.picture.above.add_ring(end, 5.0, 2.0, ring);
-            self.picture.labels.push(Label {
-                position: end + Vec2::new(0.0, 18.0),
-                right: Vec2::X * RADIUS_LABEL,
-                down: Vec2::Y * RADIUS_LABEL,
-                color: self.colors.label,
-                text: format!("R {radius:.0} mm"),
-            });
-        }
     }
 
     fn add_item(&mut self, item: &Item, shape: &ItemShape, (look, heat): (Look, f32)) {
@@ -312,35 +300,6 @@ impl Pen<'_> {
         });
     }
 
-    fn add_handles(&mut self, item: &Item) {
-        let (ring, fill) = (self.colors.ring, self.colors.background);
-        for (handle, at) in handles::handles(item, self.viewport.scale) {
-            let at = self.to_screen(at);
-            match handle {
-                Handle::Corner(_) => {
-                    for (half, color) in [(HANDLE + 1.5, ring), (HANDLE, fill)] {
-                        let corners = super::CORNERS.map(|sign| at + sign * half);
-                        self.picture.above.add_flat_polygon(&corners, color);
-                    }
-                }
-                Handle::Turn => {
-                    let center = self.to_screen(item.shape.center);
-                    let rim = center.lerp(
-                        at,
-                        item.shape.half.y * self.viewport.scale / (at - center).length(),
-                    );
-                    let side = (at - center).normalize_or_zero().perp() * 0.75;
-                    let stem = [rim + side, at + side, at - side, rim - side];
-                    add_plain_polygon(&mut self.picture.above, &stem, ring);
-                    self.picture
-                        .above
-                        .add_flat_polygon(&disc(at, HANDLE + 1.0), fill);
-                    self.picture.above.add_ring(at, HANDLE, 2.0, ring);
-                }
-            }
-        }
-    }
-
     /// Adds a disc that is larger and paler the higher the fingertip is.
     fn add_fingertip(&mut self, fingertip: &Fingertip) {
         let height = fingertip.height_mm.max(0.0);
@@ -374,15 +333,6 @@ pub fn bend_half_width(items: &[Item]) -> f32 {
     let bounds = Bounds::around(items.iter().map(|item| &item.shape));
     let reach = bounds.map_or(0.0, |bounds| bounds.max.x.abs().max(bounds.min.x.abs()));
     reach.max(60.0)
-}
-
-fn disc(center: Vec2, radius: f32) -> Vec<Vec2> {
-    let sides = (radius * std::f32::consts::TAU / DISC_SIDE) as usize;
-    let sides = sides.clamp(DISC_SIDES.0, DISC_SIDES.1);
-    let angle = |step: usize| step as f32 / sides as f32 * std::f32::consts::TAU;
-    (0..sides)
-        .map(|step| center + Vec2::from_angle(angle(step)) * radius)
-        .collect()
 }
 
 /// Adds a convex polygon without soft edges, which many small items do not need.
