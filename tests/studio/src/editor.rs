@@ -7,7 +7,7 @@ use std::time::Instant;
 use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::studio::model::StudioModel;
-use ademan::studio::texts::text;
+use ademan::studio::texts::{text, text_with};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use tempfile::TempDir;
@@ -252,4 +252,19 @@ fn a_sequence_is_added_renamed_extended_and_bound_in_the_form() {
             "    ],\n    sequences: {\"new line\": [Tap(\"Enter\"), Tap(\"End\")]},\n)",
         );
     assert_eq!(file.text(), expected);
+}
+
+#[test]
+fn an_empty_layout_is_opened_and_takes_a_first_board() {
+    let mut window = Opening::on_layout("qwerty-flat").open();
+    window.click(text("workspace-layout"));
+    window.click(text("editor-open"));
+    window.click(text("editor-open-empty"));
+    assert!(!window.has(text("editor-open-title")));
+    let has_board =
+        |window: &StudioWindow| window.has(&text_with("editor-board", &[("number", 1.into())]));
+    assert!(!has_board(&window));
+    window.click(text("editor-add"));
+    window.click(text("editor-new-board"));
+    assert!(has_board(&window));
 }

@@ -104,6 +104,11 @@ impl LayoutEditor {
         Ok(Self::new(file, text, fit))
     }
 
+    /// Edits a new layout without controls, which has no file yet.
+    pub fn empty(fit: Fit) -> Self {
+        Self::from_text(NEW_LAYOUT, &blank_layout(Path::new(NEW_LAYOUT)), fit)
+    }
+
     /// Edits a text that has no file. `name` stands for it in messages.
     pub fn from_text(name: &str, text: &str, fit: Fit) -> Self {
         let document = Document::new(name, text);
@@ -467,6 +472,9 @@ fn patched(text: &str, patches: &[Patch]) -> Option<String> {
 pub fn quoted(text: &str) -> String {
     quote(text)
 }
+
+/// Name of the file of a new layout.
+const NEW_LAYOUT: &str = "new-layout.ron";
 
 /// Returns a layout without controls whose name is made of the name of its file.
 fn blank_layout(path: &Path) -> String {

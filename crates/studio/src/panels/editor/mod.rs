@@ -137,7 +137,15 @@ pub struct EditorPanel {
 impl EditorPanel {
     /// Opens a layout for the hands of a setup, and looks for unsaved work of an earlier run in a folder.
     pub fn open(name: &str, fit: Fit, work: Option<&Path>) -> Result<Self, DocumentError> {
-        let mut editor = LayoutEditor::open(name, fit)?;
+        Ok(Self::of(LayoutEditor::open(name, fit)?, work))
+    }
+
+    /// Edits a new layout without controls.
+    pub(super) fn empty(fit: Fit, work: Option<&Path>) -> Self {
+        Self::of(LayoutEditor::empty(fit), work)
+    }
+
+    fn of(mut editor: LayoutEditor, work: Option<&Path>) -> Self {
         let recovery = work.map(|folder| editor.start_recovery(folder));
         let mut panel = Self::new(editor);
         panel.work = work.map(Path::to_owned);
@@ -146,7 +154,7 @@ impl EditorPanel {
         } else if panel.editor.is_open_elsewhere() {
             panel.message = Some(Ok(text("editor-open-elsewhere")));
         }
-        Ok(panel)
+        panel
     }
 
     /// Keeps what was chosen for another layout: snapping, rulers, and the view of all boards.

@@ -41,6 +41,14 @@ impl EditorPanel {
         }
     }
 
+    /// Opens a new layout without controls in the same way.
+    fn open_empty(&mut self) {
+        if self.commit_drafts() {
+            let opened = Self::empty(self.editor.fit(), self.work.as_deref());
+            *self = opened.with_choices_of(self);
+        }
+    }
+
     /// Writes a picture of lines beside the file of the layout.
     pub(super) fn export_svg(&mut self) {
         self.export("svg", &|svg| Ok(svg.into_bytes()));
@@ -136,7 +144,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         return;
     };
     let is_unsaved = panel.is_unsaved();
-    let mut chosen = None;
+    let (mut chosen, mut is_empty) = (None, false);
     let mut is_closed = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
     let modal = egui::Modal::new(egui::Id::unique("open-question"));
     modal.show(ui.ctx(), |ui| {
@@ -154,6 +162,10 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         let area = egui::ScrollArea::vertical().max_height(260.0);
         area.show(ui, |ui| {
             let query = question.query.trim().to_lowercase();
+            is_empty = query.is_empty()
+                && ui
+                    .selectable_label(false, text("editor-open-empty"))
+                    .clicked();
             for name in shipped_layouts().filter(|name| name.contains(&query)) {
                 if ui.selectable_label(false, name).clicked() {
                     chosen = Some(name.to_owned());
@@ -164,6 +176,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     });
     match chosen.filter(|name| !name.is_empty()) {
         Some(name) => panel.open_other(&name),
+        None if is_empty => panel.open_empty(),
         None if is_closed => {}
         None => panel.open_question = Some(question),
     }
