@@ -15,7 +15,7 @@ pub const SECONDS: f64 = 30.0;
 /// The most moments that are kept: 30 s at 400 readings per second, 2 MB.
 const MAX_MOMENTS: usize = 12_000;
 
-/// The most events that are kept: 30 s at the default limit of the rate of presses.
+/// The most events that are kept: 30 s at the default limit of the rate of presses; and the most values.
 const MAX_EVENTS: usize = 3_000;
 
 /// The longest time between two values of a control that is still moved: together they are one entry.

@@ -32,8 +32,8 @@ pub struct FrontView<'a> {
     pub is_lit: bool,
 }
 
-/// Returns the marks on a front with the numbers of its values after its label, at a number of points per millimetre. Where that is
-/// too small to be read, the label has the room alone. `None` if the target is no control with marks.
+/// Returns the marks on a front with the numbers of its values after its label, at a number of points per millimetre. Where a
+/// number would be too small to read, only the label is drawn. `None` if the target is not a control with marks.
 pub fn valued_marks(
     layout: &Layout,
     target: TargetId,

@@ -150,6 +150,14 @@ impl ChangingWindow {
     }
 
     /// Writes words into the field with this label, and confirms them with Enter.
+    pub fn wait_for_words(&mut self, words: &str) {
+        let deadline = Instant::now() + TIMEOUT;
+        while !self.has(words) {
+            assert!(Instant::now() < deadline, "timed out: {words}");
+            self.draw();
+        }
+    }
+
     pub fn enter(&mut self, label: &str, words: &str) {
         let field = self.harness.get_by_role_and_label(Role::TextInput, label);
         field.focus();

@@ -153,6 +153,7 @@ fn recordings_beside_one_that_was_played_are_chosen_like_ports() {
     );
     let source = |path| Some(SourceUri::Recording { path });
     assert_eq!(window.setup().source, source(first.clone()));
+    window.wait_for_words("hc11-hash.mcap");
     window.picture("devices-recordings");
     window.click("hc11-hash.mcap");
     assert_eq!(window.setup().source, source(path("hc11-hash.mcap")));
@@ -164,7 +165,7 @@ fn recordings_beside_one_that_was_played_are_chosen_like_ports() {
     window.draw();
     assert!(!window.has("later.mcap"), "no folder is read for a picture");
     window.click(text("devices-search"));
-    assert!(window.has("later.mcap"));
+    window.wait_for_words("later.mcap");
     window.click("later.mcap");
     assert_eq!(window.setup().source, source(path("later.mcap")));
 }

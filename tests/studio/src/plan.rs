@@ -171,6 +171,37 @@ fn the_free_view_is_turned_by_mouse_and_keys_and_stays_while_the_window_lives() 
 }
 
 #[test]
+fn the_free_view_does_not_turn_while_a_board_is_dragged() {
+    let file = EditedFile::new("plan-both-buttons.ron", FINGERS_AND_THUMB);
+    let mut window = open_plan(&file);
+    window.click(text("editor-view-free"));
+    let still = place(&window, "Board 2").center();
+    let from = place(&window, "Board 1").center();
+    let to = from + vec2(-60.0, 45.0);
+    let second = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Secondary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    for event in [
+        egui::Event::PointerMoved(from),
+        button(from, true),
+        egui::Event::PointerMoved(from.lerp(to, 0.3)),
+        second(from.lerp(to, 0.3), true),
+        egui::Event::PointerMoved(to),
+        button(to, false),
+        second(to, false),
+    ] {
+        window.harness.event(event);
+        window.draw(2);
+    }
+    let moved = place(&window, "Board 1").center() - from;
+    assert!((moved - vec2(-60.0, 45.0)).length() < 5.0, "{moved}");
+    assert!((place(&window, "Board 2").center() - still).length() < 1.0);
+}
+
+#[test]
 fn boards_in_one_place_are_listed_during_the_drag_and_escape_undoes_it() {
     let file = EditedFile::new("plan-overlap.ron", FINGERS_AND_THUMB);
     let mut window = open_plan(&file);

@@ -32,7 +32,7 @@ pub(super) fn repeat_along_arc(
         let message = "a repetition makes 1 to 400 copies; choose another number";
         return Err(EditError::Selection(message));
     }
-    if !RADII_MM.contains(&radius_mm.abs()) || !step_deg.is_finite() {
+    if !RADII_MM.contains(&radius_mm.abs()) || !(step_deg * count as f64).is_finite() {
         let message = "the radius of a repetition is 1 to 10 000 mm; choose another one";
         return Err(EditError::Selection(message));
     }

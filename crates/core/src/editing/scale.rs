@@ -63,7 +63,7 @@ fn scale_one(draft: &mut Draft, part: Part, scaling: Scaling) -> Result<(), Edit
     let Scaling { about, factors } = scaling;
     let old = size(draft, part)?.ok_or_else(|| unsupported(part, "resized", ""))?;
     let own = if is_round(draft, part) {
-        // A disc stays one, and grows no farther than its neighbours make room.
+        // A disc stays a disc; the smaller factor keeps it off its neighbors.
         [factors[0].min(factors[1]); 2]
     } else {
         own_factors(rotation(draft, part)?, factors)

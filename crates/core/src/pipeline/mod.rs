@@ -175,8 +175,8 @@ impl Pipeline {
         reading: &Reading,
         events: &mut Events,
     ) -> Result<&StepOutput, Rejection> {
-        let (index, first) = (self.hand_index(reading), events.len());
         self.gate.release_overdue(self.time, events);
+        let (index, first) = (self.hand_index(reading), events.len());
         self.detect_gaps(reading.time, events);
         let hand = &mut self.hands[index];
         let estimate = &mut hand.output.estimate;
@@ -274,7 +274,7 @@ impl Pipeline {
         self.paused_by
     }
 
-    /// Releases everything, for the end of a session. No event is emitted afterwards.
+    /// Releases everything, for the end of a session. No event is emitted afterwards, but a release that found no room.
     pub fn stop(&mut self, events: &mut Events) {
         self.disarm(self.time, PipelineState::Stopped, events);
     }

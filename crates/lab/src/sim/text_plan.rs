@@ -61,8 +61,8 @@ pub(super) fn actions_for_characters(
     planner.characters(text)
 }
 
-/// Returns the actions of a hand that type `text` for a receiver with a US keymap without multitap keys, whose letters come and go:
-/// taps, and the chords in `chords`, which are none unless the hand can play them. Shift and layers are activated by one-shots.
+/// Returns the taps and chords that type `text` for a receiver with a US keymap. Multitap keys are left out: each tap replaces a
+/// letter. `chords` are the chords that the hand can play. Shift and layers are activated by one-shots.
 pub fn taps_for_text(
     text: &str,
     keys: &[KeyBinding],
@@ -186,7 +186,8 @@ impl<'a> Planner<'a> {
         text.chars().map(&mut plan).collect()
     }
 
-    /// Returns the strokes for a key, after a one-shot Shift if `is_shifted`. Of a key and a letter of a multitap key it is the key.
+    /// Returns the strokes for a key, after a one-shot Shift if `is_shifted`: the fewest. In one layer a key is preferred to a multitap
+    /// key.
     fn strokes(&self, code: KeyCode, is_shifted: bool) -> Option<Vec<Stroke<'a>>> {
         let mut strokes = if is_shifted {
             vec![self.find(0, is_one_shot_shift)?]

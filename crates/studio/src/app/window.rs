@@ -27,7 +27,7 @@ const SCREEN_MARGIN: egui::Vec2 = egui::vec2(16.0, 64.0);
 /// A [`StudioStart`] in a window of the desktop.
 struct Window<'a> {
     content: StudioStart<'a>,
-    /// The size suits the screen.
+    /// `true` once the size was fitted to the screen.
     is_fitted: bool,
     pace: Pace,
     should_close: fn() -> bool,
@@ -61,7 +61,7 @@ impl eframe::App for Window<'_> {
     }
 }
 
-/// Makes a window smaller that its screen has no room for. Returns `true` once the size of the screen is known.
+/// Shrinks a window that does not fit on its screen. Returns `true` once the size of the screen is known.
 fn fit_to_screen(context: &egui::Context) -> bool {
     let (screen, is_filled) = context.input(|input| {
         let window = input.viewport();

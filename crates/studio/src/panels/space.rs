@@ -181,12 +181,12 @@ fn show_typed(ui: &mut egui::Ui, area: Rect, context: &PanelContext, background:
 }
 
 /// Returns the colour behind words over a picture with this background.
-pub fn hint_background(background: Color) -> Color32 {
+pub(super) fn hint_background(background: Color) -> Color32 {
     color32(background).gamma_multiply(0.7)
 }
 
 /// Shows the movements of the mouse at the lower edge, with a background of their own over what is drawn there.
-pub fn show_hint(ui: &egui::Ui, area: Rect, hint: &str, background: Color32) {
+pub(super) fn show_hint(ui: &egui::Ui, area: Rect, hint: &str, background: Color32) {
     let painter = ui.painter_at(area);
     let color = ui.visuals().text_color();
     let font = FontId::proportional(12.0);

@@ -1,4 +1,4 @@
-//! The tour of the first start: a box beside what each step explains, with an outline around that and an arrow to it.
+//! The tour of the first start: a box beside what each step explains, an outline around it, and an arrow from the box to it.
 
 use eframe::egui::{self, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2};
 
@@ -89,16 +89,13 @@ fn end(state: &mut PanelState) {
 fn place(size: Vec2, area: Option<Rect>, screen: Rect) -> Pos2 {
     let free = Rect::from_min_max(
         screen.min + Vec2::splat(MARGIN),
-        screen.max - Vec2::splat(MARGIN),
+        screen.max - Vec2::new(MARGIN, MARGIN + STATUS_HEIGHT),
     );
-    let without_status = free.max.y - STATUS_HEIGHT;
     let beside = |explained: Rect| {
-        let along_x = explained
-            .min
-            .x
-            .clamp(free.min.x, (free.max.x - size.x).max(free.min.x));
-        let along_y =
-            (explained.min.y + GAP).clamp(free.min.y, (without_status - size.y).max(free.min.y));
+        let along_x = explained.min.x.min(free.max.x - size.x).max(free.min.x);
+        let along_y = (explained.min.y + GAP)
+            .min(free.max.y - size.y)
+            .max(free.min.y);
         let places = [
             egui::pos2(along_x, explained.max.y + GAP),
             egui::pos2(along_x, explained.min.y - GAP - size.y),
@@ -108,13 +105,16 @@ fn place(size: Vec2, area: Option<Rect>, screen: Rect) -> Pos2 {
         let mut places = places.into_iter();
         places.find(|&at| free.contains_rect(Rect::from_min_size(at, size)))
     };
-    let corner = egui::pos2(free.min.x, without_status - size.y);
+    let corner = egui::pos2(free.min.x, free.max.y - size.y);
     area.and_then(beside).unwrap_or(corner)
 }
 
 /// Draws an outline around an area and, from a box beside it, an arrow to it.
 fn point(ui: &egui::Ui, from: Rect, area: Rect) {
-    let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("tour-arrow"));
+    let layer = egui::LayerId::new(
+        egui::Order::Foreground,
+        egui::Id::unique("arrow of the tour"),
+    );
     let painter = ui.ctx().layer_painter(layer);
     let color = look::focus_color(ui.visuals().dark_mode);
     let line = Stroke::new(look::FOCUS_WIDTH, color);
@@ -128,10 +128,9 @@ fn point(ui: &egui::Ui, from: Rect, area: Rect) {
 fn arrow(from: Rect, area: Rect) -> Option<[Pos2; 3]> {
     let nearest = |[low, high]: [f32; 2], [from_low, from_high]: [f32; 2]| {
         let middle = f32::midpoint(low, high);
-        middle.clamp(
-            from_low + 2.0 * ARROW_HALF_WIDTH,
-            from_high - 2.0 * ARROW_HALF_WIDTH,
-        )
+        // A box may be smaller than the arrow.
+        let last = from_high - 2.0 * ARROW_HALF_WIDTH;
+        middle.min(last).max(from_low + 2.0 * ARROW_HALF_WIDTH)
     };
     let x = nearest([area.min.x, area.max.x], [from.min.x, from.max.x]);
     let y = nearest([area.min.y, area.max.y], [from.min.y, from.max.y]);

@@ -98,7 +98,7 @@ impl Lesson {
             Failure::wrong_use(if layout.multitaps.keys.is_empty() {
                 format!("`{layout_name}` cannot type this text: {error}; `ademan layout show` draws its keys")
             } else {
-                format!("the characters of `{layout_name}` take several taps of a key, which practice does not have; choose another layout")
+                format!("`{layout_name}` types a character with several taps of a key, and practice counts one press for each character; choose another layout")
             })
         })?;
         let chords = match args.lesson {

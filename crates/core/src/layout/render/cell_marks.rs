@@ -7,6 +7,7 @@ use super::terminal::Cell;
 use crate::contact::TargetId;
 use crate::layout::controls::Handle;
 use crate::layout::model::Layout;
+use crate::message::escape;
 
 /// Part of a character by which a label between two columns is moved to the left one, whatever the last digit of its position.
 const ROUNDING: f32 = 0.01;
@@ -64,7 +65,8 @@ impl Cell {
         let own = value(self.target);
         match control.kind.handle() {
             Handle::Line { .. } => {
-                let handle = own.map(|position| self.handle_on_track(position));
+                let direction = track_direction(layout, self.target);
+                let handle = own.map(|position| self.handle_on_track(position, direction));
                 handle.into_iter().collect()
             }
             Handle::Turn { start, turns, .. } => {
@@ -87,14 +89,18 @@ impl Cell {
         }
     }
 
-    fn handle_on_track(&self, value: f32) -> CellMark {
+    /// Returns the handle of a track whose values increase in a direction along the rows of its board.
+    fn handle_on_track(&self, value: f32, direction: Vec2) -> CellMark {
         let (width, height) = (self.width - 2, self.height - 2);
-        let value = value.clamp(0.0, 1.0);
         // Characters are twice as high as wide.
-        if width >= 2 * height {
-            CellMark::Column(self.column + 1 + at(width, value))
+        let is_wide = width >= 2 * height;
+        let along = if is_wide { direction.x } else { direction.y };
+        let value = value.clamp(0.0, 1.0);
+        let part = if along < -1e-3 { 1.0 - value } else { value };
+        if is_wide {
+            CellMark::Column(self.column + 1 + at(width, part))
         } else {
-            CellMark::Row(self.row + 1 + at(height, 1.0 - value))
+            CellMark::Row(self.row + 1 + at(height, 1.0 - part))
         }
     }
 
@@ -135,6 +141,7 @@ impl Cell {
         let middle = (1.0 + center.x) / 2.0 * (self.width - 2) as f32;
         // It is as far from the edge at its side as at the other one.
         let room = 2.0 * middle.min((self.width - 2) as f32 - middle);
+        let text = escape(text);
         let length = text.chars().count().min(room.round().max(0.0) as usize);
         let start = (middle - length as f32 / 2.0 - ROUNDING).round().max(0.0);
         CellMark::Label {
@@ -148,6 +155,17 @@ impl Cell {
 /// Returns the index of the character at a part of a length, 0..=1.
 fn at(length: usize, part: f32) -> usize {
     (part * length.saturating_sub(1) as f32).round() as usize
+}
+
+/// Returns the direction in which the values of a control on a track increase, in row coordinates.
+fn track_direction(layout: &Layout, target: TargetId) -> Vec2 {
+    let mut boards = layout.boards.iter();
+    let board = boards.find(|board| layout.faces(board).any(|face| face.target == target));
+    let face = layout.face(target);
+    let rotation = board.zip(face).map_or(0.0, |(board, face)| {
+        face.outline.rotation - board.shape.row_rotation(face.row_position)
+    });
+    Vec2::from_angle(rotation)
 }
 
 fn initial_value(layout: &Layout, target: TargetId) -> Option<f32> {
@@ -182,6 +200,18 @@ mod tests {
         let upright = "sliders: [(name: \"s\", at_mm: (0, 0), length_mm: 100, width_mm: 20, rotation_deg: 90)]";
         let (tall, at_top) = marks(upright, Some(1.0));
         assert_eq!(at_top, [CellMark::Row(1)]);
+        for (turned, is_first) in [(180, true), (-90, false)] {
+            let slider = format!(
+                "sliders: [(name: \"s\", at_mm: (0, 0), length_mm: 100, width_mm: 20, rotation_deg: {turned})]"
+            );
+            let (shown, ends) = marks(&slider, Some(1.0));
+            let expected = if is_first {
+                CellMark::Column(1)
+            } else {
+                CellMark::Row(shown.height - 2)
+            };
+            assert_eq!(ends, [expected], "{turned}°");
+        }
         assert_eq!(
             marks(upright, Some(0.0)).1,
             [CellMark::Row(tall.height - 2)]

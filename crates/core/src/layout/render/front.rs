@@ -80,37 +80,50 @@ pub enum MarkShape {
 impl Layout {
     /// Returns the marks on the front of a control other than a key, from below to above. `value` returns the value of a target,
     /// 0..=1 for the position of a handle, or 1 for on; the default is the position at the start. `None` if the target is
-    /// no such control.
+    /// not such a control.
     pub fn front_marks(
         &self,
         target: TargetId,
         value: impl Fn(TargetId) -> Option<f32>,
     ) -> Option<Vec<FrontMark>> {
-        let (control, index) = self.control_at(target)?;
-        let kind = valued(control, &value);
-        let is_on = value(target).is_some_and(|value| value > 0.5);
-        let face = &control.faces[index];
-        Some(svg::front_marks(self, &kind, index, is_on, face))
+        self.marks_of(target, value, false)
     }
 
-    /// Returns the marks of [`front_marks`](Self::front_marks), with the numbers of values that are quantities after the label: both
-    /// have the room of the label.
+    /// Returns the marks of [`front_marks`](Self::front_marks), with the numbers of values that are quantities after the label: they
+    /// share the room of the label.
     pub fn numbered_front_marks(
         &self,
         target: TargetId,
         value: impl Fn(TargetId) -> Option<f32>,
     ) -> Option<Vec<FrontMark>> {
+        self.marks_of(target, value, true)
+    }
+
+    fn marks_of(
+        &self,
+        target: TargetId,
+        value: impl Fn(TargetId) -> Option<f32>,
+        is_numbered: bool,
+    ) -> Option<Vec<FrontMark>> {
         let (control, index) = self.control_at(target)?;
         let kind = valued(control, &value);
         let is_on = value(target).is_some_and(|value| value > 0.5);
-        let mut face: Face = control.faces[index].clone();
+        let face = &control.faces[index];
         let values = 0..control.value_targets().len();
-        for number in values.filter_map(|position| kind.model().value_number(position)) {
+        let mut numbers = values
+            .filter_map(|position| kind.model().value_number(position))
+            .filter(|_| is_numbered)
+            .peekable();
+        if numbers.peek().is_none() {
+            return Some(svg::front_marks(self, &kind, index, is_on, face));
+        }
+        let mut numbered: Face = face.clone();
+        for number in numbers {
             // Without a sign before zero.
             let number = (number * 100.0).round() / 100.0 + 0.0;
-            face.label = format!("{} {number:.2}", face.label);
+            numbered.label = format!("{} {number:.2}", numbered.label);
         }
-        Some(svg::front_marks(self, &kind, index, is_on, &face))
+        Some(svg::front_marks(self, &kind, index, is_on, &numbered))
     }
 }
 

@@ -231,7 +231,7 @@ impl Cell {
 
 /// Writes a text over the first characters of a part of a row.
 fn write(text: &str, row: &mut [char]) {
-    for (place, character) in row.iter_mut().zip(escape(text).chars()) {
+    for (place, character) in row.iter_mut().zip(text.chars()) {
         *place = character;
     }
 }

@@ -44,7 +44,7 @@ pub(super) struct OutputGate {
     pressed: PressedKeys,
     /// The keys whose press the last call of [`filter`](Self::filter) suppressed, or that it released early.
     withheld: PressedKeys,
-    /// The keys that are to come up, and whose release has found no room yet.
+    /// The keys whose release has not fitted into a list of events yet.
     overdue: PressedKeys,
     suppressed: Suppressed,
 }
@@ -142,8 +142,8 @@ impl OutputGate {
         self.release_overdue(time, events);
     }
 
-    /// Releases the keys that [`release_all`](Self::release_all) could not release, as far as `events` has room. The devices have
-    /// forgotten these keys, or believe that they are up.
+    /// Releases the keys that [`release_all`](Self::release_all) could not release, as far as `events` has room. No device
+    /// holds these keys any more, so no device releases them.
     pub(super) fn release_overdue(&mut self, time: Timestamp, events: &mut Events) {
         let next = |keys: &PressedKeys| keys.release_order().next();
         while let Some(key) = next(&self.overdue) {

@@ -291,8 +291,13 @@ fn remove_stale(path: &Path) -> Result<(), SocketError> {
             Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {
                 Ok(fs::remove_file(path)?)
             }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
             // A server may listen there, and only this process cannot connect.
-            Err(error) if error.kind() != io::ErrorKind::TimedOut => Err(error.into()),
+            Err(error) if error.kind() != io::ErrorKind::TimedOut => {
+                Err(SocketError::Other(format!(
+                    "cannot tell whether a program listens there: {error}; remove the socket or use another path"
+                )))
+            }
             // A server without the lock listens there.
             _ => Err(SocketError::InUse),
         },

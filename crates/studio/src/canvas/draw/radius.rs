@@ -38,7 +38,8 @@ impl Pen<'_> {
         }
     }
 
-    /// Returns the middle of words of a size beside a point of the picture: below, at a side or above, where they are on no item.
+    /// Returns the center of a label beside a point of the picture: below it, at a side or above it, where the label covers no item.
+    /// `half` are the half extents of the label.
     fn free_place(&self, items: &[Item], at: Vec2, half: Vec2) -> Vec2 {
         let beside = half + RADIUS_GAP;
         let ways = [Vec2::Y, Vec2::X, Vec2::NEG_X, Vec2::NEG_Y];

@@ -4,7 +4,6 @@ mod choice;
 mod source;
 
 use std::env;
-use std::path::PathBuf;
 
 use eframe::egui::{self, Align2, Key, Modifiers, Vec2};
 
@@ -12,7 +11,7 @@ use self::choice::Choice;
 use super::{PanelContext, PanelState, file_field};
 use crate::first_start::Search;
 use crate::recent::RecentFiles;
-use crate::recordings;
+use crate::recordings::RecordingSearch;
 use crate::setup_change::SetupChange;
 use crate::texts::text;
 use ademan_core::command::{Command, ProfileName};
@@ -42,7 +41,7 @@ pub(super) struct DevicesWindow {
     /// The serial ports, once the window was open. Sources of the session are not listened to.
     search: Option<Search>,
     /// The recordings that are offered, once the window was open.
-    recordings: Option<Vec<PathBuf>>,
+    recordings: Option<RecordingSearch>,
     source: String,
     recording: String,
     glove: String,
@@ -87,11 +86,12 @@ pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCon
     if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
         window.is_open = false;
     }
-    if window.recordings.is_none() {
+    let recordings = window.recordings.get_or_insert_with(|| {
         let used = &mut state.settings.recent_recordings;
         let source = context.sensors.setup().setup.source.as_ref();
-        window.recordings = Some(find_recordings(source, used));
-    }
+        search_recordings(source, used, ui.ctx().clone())
+    });
+    recordings.update();
     let mut is_open = window.is_open;
     let mut chosen = None;
     egui::Window::new(text("menu-devices"))
@@ -122,12 +122,17 @@ pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCon
     }
 }
 
-/// Returns the recordings that are offered beside a source, which is remembered if it is one.
-fn find_recordings(source: Option<&SourceUri>, used: &mut RecentFiles) -> Vec<PathBuf> {
+/// Starts to search for the recordings that are offered beside a source, which is remembered if it is one.
+fn search_recordings(
+    source: Option<&SourceUri>,
+    used: &mut RecentFiles,
+    context: egui::Context,
+) -> RecordingSearch {
     if let Some(SourceUri::Recording { path }) = source {
         used.push(path);
     }
-    recordings::find(&env::current_dir().unwrap_or_default(), used)
+    let folder = env::current_dir().unwrap_or_default();
+    RecordingSearch::start(folder, used.clone(), move || context.request_repaint())
 }
 
 fn show_content(

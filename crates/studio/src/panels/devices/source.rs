@@ -8,6 +8,7 @@ use super::super::first_start::{name_of, words_of, words_of_camera};
 use super::super::headset::show_consent;
 use super::{DevicesWindow, file_field};
 use crate::first_start::{Port, Search};
+use crate::recordings::RecordingSearch;
 use crate::setup_change::SetupChange;
 use crate::texts::text;
 use ademan_core::command::Command;
@@ -61,7 +62,8 @@ pub(super) fn show(
     for camera in search.cameras() {
         ui.label(words_of_camera(camera));
     }
-    let recordings = window.recordings.as_deref().unwrap_or_default();
+    let recordings = window.recordings.as_ref();
+    let recordings = recordings.map_or(&[][..], RecordingSearch::found);
     chosen = show_recordings(ui, recordings, present).or(chosen);
     let is_listed = |uri: &SourceUri| {
         let listed = recording_of(uri).is_some_and(|path| recordings.contains(&path));

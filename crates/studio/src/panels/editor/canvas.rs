@@ -58,7 +58,8 @@ pub(super) fn operate(
     let is_held = ui.input(|input| input.pointer.any_down());
     let mut viewport = panel.viewport.update(bounds, size, revision, is_held);
     let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
-    move_view(ui, &response, &mut viewport, to_local, size);
+    let pans = pans(&response);
+    move_view(ui, &response, &mut viewport, pans, to_local, size);
     panel.viewport.move_to(viewport);
     if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
         let point = viewport.to_board(to_local(at), size);
@@ -100,32 +101,24 @@ pub(super) fn keep_arrow_keys(ui: &egui::Ui, response: &egui::Response) {
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
 }
 
-/// Pans and zooms by the mouse.
+/// Returns `true` while the view is panned: by a drag of the middle or the secondary button.
+pub(super) fn pans(response: &egui::Response) -> bool {
+    response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary)
+}
+
+/// Pans the view by the drag of the mouse if `pans` is `true`, and zooms by its wheel.
 pub(super) fn move_view(
     ui: &egui::Ui,
     response: &egui::Response,
     viewport: &mut Viewport,
+    pans: bool,
     to_local: impl Fn(egui::Pos2) -> Vec2,
     size: Vec2,
 ) {
-    if response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary) {
-        pan(response, viewport);
+    if pans {
+        let drag = response.drag_delta();
+        viewport.pan(Vec2::new(drag.x, drag.y));
     }
-    zoom(ui, response, viewport, to_local, size);
-}
-
-pub(super) fn pan(response: &egui::Response, viewport: &mut Viewport) {
-    let drag = response.drag_delta();
-    viewport.pan(Vec2::new(drag.x, drag.y));
-}
-
-pub(super) fn zoom(
-    ui: &egui::Ui,
-    response: &egui::Response,
-    viewport: &mut Viewport,
-    to_local: impl Fn(egui::Pos2) -> Vec2,
-    size: Vec2,
-) {
     if let Some(at) = response.hover_pos() {
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         viewport.zoom_at(to_local(at), size, (scroll * 0.002).exp() * pinch);

@@ -3,9 +3,8 @@
 use eframe::egui::{self, Key, Modifiers, PointerButton};
 use parry3d::math::{Vec2, Vec3};
 
-use super::{EditorPanel, canvas};
+use super::EditorPanel;
 use crate::camera::key_drag;
-use crate::canvas::viewport::Viewport;
 
 /// The keys that turn the view, with the directions in which the eye moves: to the right and up.
 const KEYS: [(Key, f32, f32); 4] = [
@@ -18,30 +17,22 @@ const KEYS: [(Key, f32, f32); 4] = [
 /// Turns the view by a drag of the secondary button. With Shift, it pans.
 pub(super) fn turn_by_mouse(ui: &egui::Ui, response: &egui::Response, panel: &mut EditorPanel) {
     let is_shift = ui.input(|input| input.modifiers.shift);
-    if response.dragged_by(PointerButton::Secondary) && !is_shift {
+    // The points of a drag belong to the view in which it began.
+    let can_turn = !is_shift && !panel.plan.is_dragging();
+    if can_turn && response.dragged_by(PointerButton::Secondary) {
         let drag = response.drag_delta();
         panel.turn_plan(Vec2::new(drag.x, drag.y));
     }
 }
 
-/// Pans by a drag of the middle button, or of the secondary one with Shift, and zooms.
-pub(super) fn move_view(
-    ui: &egui::Ui,
-    response: &egui::Response,
-    viewport: &mut Viewport,
-    to_local: impl Fn(egui::Pos2) -> Vec2,
-    size: Vec2,
-) {
+/// Returns `true` while the view is panned: by a drag of the middle button, or of the secondary one with Shift.
+pub(super) fn pans(ui: &egui::Ui, response: &egui::Response) -> bool {
     let is_shift = ui.input(|input| input.modifiers.shift);
-    let pans = response.dragged_by(PointerButton::Middle)
-        || is_shift && response.dragged_by(PointerButton::Secondary);
-    if pans {
-        canvas::pan(response, viewport);
-    }
-    canvas::zoom(ui, response, viewport, to_local, size);
+    response.dragged_by(PointerButton::Middle)
+        || is_shift && response.dragged_by(PointerButton::Secondary)
 }
 
-/// Turns the view by the arrow keys with Ctrl, or by those alone while nothing is selected, which they would move.
+/// Turns the view with `Ctrl` and the arrow keys; without `Ctrl` only while nothing is selected, because they move what is selected.
 pub(super) fn turn_by_keys(ui: &egui::Ui, panel: &mut EditorPanel) {
     if !panel.plan.is_open || !panel.plan.view.is_free() {
         return;

@@ -33,11 +33,8 @@ pub fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelContext, 
     let before = panel.lab_viewport.unwrap_or(whole);
     let mut viewport = before;
     let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
-    canvas::move_view(ui, &response, &mut viewport, to_local, size);
-    if response.dragged_by(PointerButton::Primary) {
-        let drag = response.drag_delta();
-        viewport.pan(Vec2::new(drag.x, drag.y));
-    }
+    let pans = canvas::pans(&response) || response.dragged_by(PointerButton::Primary);
+    canvas::move_view(ui, &response, &mut viewport, pans, to_local, size);
     if viewport != before {
         panel.lab_viewport = Some(viewport);
     }

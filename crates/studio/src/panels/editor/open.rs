@@ -8,6 +8,7 @@ use eframe::egui::{self, Key};
 use super::super::{ConvertSvg, PictureFormats};
 use super::EditorPanel;
 use super::shortcuts::is_asked;
+use crate::editor::LayoutEditor;
 use crate::texts::text;
 use ademan_core::document::{Document, shipped_layouts};
 use ademan_core::layout::Wearer;
@@ -44,7 +45,10 @@ impl EditorPanel {
     /// Opens a new layout without controls in the same way.
     fn open_empty(&mut self) {
         if self.commit_drafts() {
-            let opened = Self::empty(self.editor.fit(), self.work.as_deref());
+            let fit = self.editor.fit();
+            // Ends the recovery of this layout, whose lock may be the lock of the new one.
+            self.editor = LayoutEditor::empty(fit);
+            let opened = Self::empty(fit, self.work.as_deref());
             *self = opened.with_choices_of(self);
         }
     }
@@ -179,5 +183,20 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         None if is_empty => panel.open_empty(),
         None if is_closed => {}
         None => panel.open_question = Some(question),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ademan_core::layout::Fit;
+
+    #[test]
+    fn an_empty_layout_that_replaces_another_one_is_not_open_elsewhere() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut panel = EditorPanel::empty(Fit::default(), Some(folder.path()));
+        assert_eq!(panel.message, None);
+        panel.open_empty();
+        assert_eq!(panel.message, None);
     }
 }

@@ -264,11 +264,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
         .viewport()
         .update(bounds, size, revision, is_held);
     let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
-    if view.is_free() {
-        free_view::move_view(ui, &response, &mut viewport, to_local, size);
+    let pans = if view.is_free() {
+        free_view::pans(ui, &response)
     } else {
-        canvas::move_view(ui, &response, &mut viewport, to_local, size);
-    }
+        canvas::pans(&response)
+    };
+    canvas::move_view(ui, &response, &mut viewport, pans, to_local, size);
     panel.plan.viewport().move_to(viewport);
     if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
         let point = viewport.to_board(to_local(at), size);

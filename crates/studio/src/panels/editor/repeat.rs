@@ -20,7 +20,7 @@ const MIN_RADIUS_MM: f32 = 5.0;
 
 /// The numbers of the next repetitions.
 pub(super) struct Repeat {
-    /// Their menu opens with the next picture.
+    /// `true` if the menu opens in the next frame.
     pub is_asked: bool,
     /// Columns and rows.
     count: [usize; 2],

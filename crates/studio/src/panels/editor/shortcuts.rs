@@ -62,7 +62,7 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if can_escape && pressed(Modifiers::NONE, Key::Escape) {
         panel.escape();
     }
-    if panel.plan.is_dragging() {
+    if panel.plan.is_dragging() || panel.is_dragging_on_canvas() {
         // Its edit is the last one until it ends.
         return;
     }

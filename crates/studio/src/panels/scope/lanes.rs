@@ -200,8 +200,8 @@ fn ticks(canvas: &Canvas) -> Vec<Tick> {
     shown
 }
 
-/// Draws presses and values as ticks with the name of the key or control, and releases as short ticks. A name that has no room beside its tick is left out;
-/// zooming makes room.
+/// Draws presses and values as ticks with the name of the key or control, and releases as short ticks. A name that has no room beside
+/// its tick is left out; zooming makes room.
 fn draw_events(canvas: &Canvas, row: Rect) {
     let label_at = Pos2::new(row.min.x - LABEL_MARGIN, row.center().y);
     canvas.text(
