@@ -197,6 +197,9 @@ impl Rig {
             events,
             commands: &mut self.commands,
         };
+        // As a layout does before its devices.
+        let last_time = output.arbiter.last_event_time();
+        output.arbiter.emit_changes(last_time, output.events);
         for device in &mut self.devices {
             device.update(&input, &mut output);
         }

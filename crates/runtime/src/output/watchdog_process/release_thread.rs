@@ -169,7 +169,7 @@ impl<R: Releaser, C: Fn() -> Result<R, String>, L: Fn(&str)> ReleaseState<R, C, 
                 Err(_) if !has_failed => {
                     has_failed = true;
                     self.releaser = (self.connect)()?;
-                    self.release_all(&record)?;
+                    responded_at = self.release_all(&record)?;
                 }
                 Err(failure) => return Err(failure),
             }

@@ -113,10 +113,13 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
         area
     };
     // A symbol such as ⇧ for Shift is not in every locale.
-    let is_drawable = picture.look.is_unicode || face.label.is_ascii();
-    let label = if is_drawable { &face.label } else { &face.name };
-    let highlighted = label_of(picture.view, cell.target);
-    let highlighted = highlighted.filter(|text| picture.look.is_unicode || text.is_ascii());
+    let is_drawable = |text: &str| picture.look.is_unicode || text.is_ascii();
+    let label = if is_drawable(&face.label) {
+        &face.label
+    } else {
+        &face.name
+    };
+    let highlighted = label_of(picture.view, cell.target).filter(|text| is_drawable(text));
     let mut marks = cell.marks(&picture.view.layout, |target| {
         value_of(picture.view, target)
     });
@@ -125,6 +128,10 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
         // The last label of a menu is its hub, which says what is highlighted.
         let _ = marks.pop_if(|mark| is_label(mark));
     }
+    marks.retain(|mark| match mark {
+        CellMark::Label { text, .. } => is_drawable(text),
+        _ => true,
+    });
     let has_labels = highlighted.is_none() && marks.iter().any(is_label);
     let label = highlighted.unwrap_or(label);
     if marks.iter().any(CellMark::needs_inside) {
@@ -187,8 +194,7 @@ fn draw_mark(
         }
         CellMark::Label { column, row, text } => {
             let (x, y) = at(*column, *row);
-            let is_drawable = picture.look.is_unicode || text.is_ascii();
-            if is_drawable && inside.contains((x, y).into()) {
+            if inside.contains((x, y).into()) {
                 let room = usize::from(inside.right() - x);
                 buffer.set_stringn(x, y, escape(text), room, style);
             }
