@@ -265,6 +265,10 @@ fn an_empty_layout_is_opened_and_takes_a_first_board() {
         |window: &StudioWindow| window.has(&text_with("editor-board", &[("number", 1.into())]));
     assert!(!has_board(&window));
     window.click(text("editor-add"));
-    window.click(text("editor-new-board"));
+    window
+        .harness
+        .get_by_role_and_label(Role::Button, text("editor-new-board"))
+        .click();
+    window.draw(3);
     assert!(has_board(&window));
 }

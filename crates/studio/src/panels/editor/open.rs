@@ -194,7 +194,8 @@ mod tests {
     #[test]
     fn an_empty_layout_that_replaces_another_one_is_not_open_elsewhere() {
         let folder = tempfile::tempdir().expect("a folder");
-        let mut panel = EditorPanel::empty(Fit::default(), Some(folder.path()));
+        let work = folder.path().join("editor");
+        let mut panel = EditorPanel::empty(Fit::default(), Some(&work));
         assert_eq!(panel.message, None);
         panel.open_empty();
         assert_eq!(panel.message, None);
