@@ -197,25 +197,15 @@ mod tests {
             [CellMark::Column(1)],
             "the value at the start"
         );
-        let upright = "sliders: [(name: \"s\", at_mm: (0, 0), length_mm: 100, width_mm: 20, rotation_deg: 90)]";
-        let (tall, at_top) = marks(upright, Some(1.0));
+        let turned = |degrees: i32, value: f32| {
+            let text = slider.replace("width_mm", &format!("rotation_deg: {degrees}, width_mm"));
+            marks(&text, Some(value))
+        };
+        let (upright, at_top) = turned(90, 1.0);
         assert_eq!(at_top, [CellMark::Row(1)]);
-        for (turned, is_first) in [(180, true), (-90, false)] {
-            let slider = format!(
-                "sliders: [(name: \"s\", at_mm: (0, 0), length_mm: 100, width_mm: 20, rotation_deg: {turned})]"
-            );
-            let (shown, ends) = marks(&slider, Some(1.0));
-            let expected = if is_first {
-                CellMark::Column(1)
-            } else {
-                CellMark::Row(shown.height - 2)
-            };
-            assert_eq!(ends, [expected], "{turned}°");
-        }
-        assert_eq!(
-            marks(upright, Some(0.0)).1,
-            [CellMark::Row(tall.height - 2)]
-        );
+        assert_eq!(turned(90, 0.0).1, [CellMark::Row(upright.height - 2)]);
+        assert_eq!(turned(180, 1.0).1, [CellMark::Column(1)]);
+        assert_eq!(turned(-90, 1.0).1, [CellMark::Row(upright.height - 2)]);
     }
 
     #[test]
@@ -228,14 +218,14 @@ mod tests {
         };
         assert_eq!(corner, [expected]);
         let knob = "knobs: [(name: \"k\", at_mm: (0, 0), diameter_mm: 40, range_deg: 270)]";
-        let (cell, top) = marks(knob, Some(0.5));
+        let (round, top) = marks(knob, Some(0.5));
         let [CellMark::Rim { column, row: 0 }] = top[..] else {
             panic!("{top:?}");
         };
         assert!(
-            column.abs_diff(cell.width / 2) <= 1,
+            column.abs_diff(round.width / 2) <= 1,
             "{column} of {}",
-            cell.width
+            round.width
         );
     }
 
