@@ -8,7 +8,7 @@ use ademan::session::control_socket::WatchClient;
 use tempfile::TempDir;
 
 use super::safety::close_window;
-use super::{is_drawn, is_typing, studio};
+use super::{is_drawn, is_typing, start_screen, studio};
 use crate::support::binary::ademan;
 use crate::support::program::Program;
 use crate::support::x11::XServer;
@@ -94,7 +94,7 @@ impl Other {
 
 #[test]
 fn the_window_shows_a_run_which_goes_on_when_it_is_closed() {
-    let Some(server) = XServer::start() else {
+    let Some(server) = start_screen() else {
         return;
     };
     let mut other = Other::start();
@@ -109,7 +109,7 @@ fn the_window_shows_a_run_which_goes_on_when_it_is_closed() {
 
 #[test]
 fn a_window_that_hangs_or_is_killed_does_not_hold_a_run_up() {
-    let Some(server) = XServer::start() else {
+    let Some(server) = start_screen() else {
         return;
     };
     let mut other = Other::start();
@@ -127,7 +127,7 @@ fn a_window_that_hangs_or_is_killed_does_not_hold_a_run_up() {
 
 #[test]
 fn a_window_of_its_own_opens_beside_a_run() {
-    let Some(server) = XServer::start() else {
+    let Some(server) = start_screen() else {
         return;
     };
     let other = Other::start();

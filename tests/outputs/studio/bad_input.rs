@@ -4,10 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use super::{is_drawn, is_typing, studio};
+use super::{is_drawn, is_typing, start_screen, studio};
 use crate::support::binary::ademan;
 use crate::support::program::Program;
-use crate::support::x11::XServer;
 
 /// Checks that a command exits with code 2 and prints these words, without messages of its libraries.
 fn check_refusal(mut command: Command, words: &[&str]) {
@@ -40,7 +39,7 @@ fn a_desktop_that_does_not_answer_is_named() {
 
 #[test]
 fn without_opengl_the_reason_and_a_remedy_are_printed() {
-    let Some(server) = XServer::start() else {
+    let Some(server) = start_screen() else {
         return;
     };
     let mut command = studio(&server, &["--layout", "qwerty-flat"]);
@@ -59,7 +58,7 @@ fn cut_recording(folder: &Path) -> String {
 
 #[test]
 fn a_recording_that_is_cut_is_shown_up_to_the_cut() {
-    let Some(server) = XServer::start() else {
+    let Some(server) = start_screen() else {
         return;
     };
     let folder = tempfile::tempdir().expect("a folder");
@@ -72,7 +71,7 @@ fn a_recording_that_is_cut_is_shown_up_to_the_cut() {
 
 #[test]
 fn a_layout_that_breaks_while_it_is_open_stays_active() {
-    let Some(server) = XServer::start() else {
+    let Some(server) = start_screen() else {
         return;
     };
     let folder = tempfile::tempdir().expect("a folder");
@@ -104,7 +103,7 @@ const FAR_KEY: &str = r#"Layout(name: "far", boards: [(
 
 #[test]
 fn the_simulated_hand_leaves_out_a_key_beyond_its_reach() {
-    let Some(server) = XServer::start() else {
+    let Some(server) = start_screen() else {
         return;
     };
     let folder = tempfile::tempdir().expect("a folder");

@@ -52,6 +52,11 @@ fn colors(display: &str) -> HashSet<[u8; 3]> {
     pixels.map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
 }
 
+/// Starts an X server whose screen has room for the whole window. Returns `None` with a message if Xvfb is not installed.
+fn start_screen() -> Option<XServer> {
+    XServer::with_screen("1440x900x24")
+}
+
 /// Waits until the window shows a pressed key. Returns `false` after the time-out.
 fn is_typing(server: &XServer) -> bool {
     wait_for(|| {
@@ -67,7 +72,7 @@ fn is_drawn(server: &XServer) -> bool {
 
 #[test]
 fn the_window_shows_a_typing_hand_and_ends_in_an_orderly_way() {
-    let Some(server) = XServer::start() else {
+    let Some(server) = start_screen() else {
         return;
     };
     let mut program = Program::from_command(studio(&server, &["--layout", "qwerty-flat"]));
@@ -85,7 +90,7 @@ fn the_window_shows_a_typing_hand_and_ends_in_an_orderly_way() {
 #[test]
 fn mesa_draws_in_the_thread_of_the_window_unless_the_environment_names_another_number() {
     for (variable, threads) in [(None, 0), (Some("2"), 2)] {
-        let Some(server) = XServer::start() else {
+        let Some(server) = start_screen() else {
             return;
         };
         let mut command = studio(&server, &["--layout", "qwerty-flat"]);
@@ -101,7 +106,7 @@ fn mesa_draws_in_the_thread_of_the_window_unless_the_environment_names_another_n
 
 #[test]
 fn the_window_gives_way_to_other_threads_after_a_tenth_of_a_millisecond() {
-    let Some(server) = XServer::start() else {
+    let Some(server) = start_screen() else {
         return;
     };
     let program = Program::from_command(studio(&server, &["--layout", "qwerty-flat"]));
@@ -143,7 +148,7 @@ fn drawing_threads(process: u32) -> usize {
 
 #[test]
 fn the_first_start_shows_its_pages_before_a_session_and_ends_with_a_signal() {
-    let Some(server) = XServer::start() else {
+    let Some(server) = start_screen() else {
         return;
     };
     let folder = tempfile::tempdir().expect("a folder");

@@ -8,12 +8,9 @@ use tempfile::TempDir;
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{AtomEnum, ClientMessageEvent, ConnectionExt, EventMask, Window};
 
-use super::{is_drawn, studio};
+use super::{is_drawn, start_screen, studio};
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_for};
-
-/// Screen of the X server, with room for the whole window.
-const SCREEN: &str = "1440x900x24";
 
 /// Studio with a hand that types without end, and a setup that names an output.
 ///
@@ -32,7 +29,7 @@ impl Session {
 
     /// Opens the window with a command that is changed before.
     pub(super) fn start_with(output: &str, change: impl FnOnce(&mut Command)) -> Option<Self> {
-        let server = XServer::with_screen(SCREEN)?;
+        let server = start_screen()?;
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().display().to_string();
         let setup = format!("Setup(output: \"{output}\")");
