@@ -3,7 +3,7 @@
 //! A lane of a vector register holds one hand, so eight hands take the time of one or two. Fingers far from every key need no
 //! further work; the other ones pass through the [`ContactTracker`] of their hand. All results are equal to the results
 //! of [`ArmModel::forward`] and [`ContactTracker::update`], as the tests of this module show: the operations and their order are
-//! the same. `examples/many_hands.rs` shows the use.
+//! the same. `examples/many_hands.rs` uses it.
 
 mod block;
 mod lane_arm;

@@ -217,17 +217,8 @@ mod tests {
         let rings: Vec<_> = rings.filter(|item| !item.marks.is_empty()).collect();
         assert!(!rings.is_empty());
         for ring in rings {
-            let scene = CanvasScene {
-                items: std::slice::from_ref(ring),
-                selected: &Selection::default(),
-                faulty: &[],
-                heats: &[],
-                pressed: &[],
-                fingertips: &[],
-                preview: &Preview::default(),
-                radius: None,
-                has_grid: false,
-            };
+            let (nothing, still) = (Selection::default(), Preview::default());
+            let scene = CanvasScene::new(std::slice::from_ref(ring), &nothing, &still);
             let viewport = Viewport::default();
             let size = Vec2::new(8000.0, 8000.0);
             let picture = draw(&scene, &viewport, size, &SceneColors::LIGHT);

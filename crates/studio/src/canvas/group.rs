@@ -64,7 +64,7 @@ impl Scaling {
         }
     }
 
-    /// Returns an outline that is scaled. A disc stays one, and a turned item keeps its angle.
+    /// Returns an outline that is scaled. A disc stays a disc, and a turned item keeps its angle.
     pub fn apply(&self, shape: &ItemShape) -> ItemShape {
         let factors = self.factors;
         let own = if shape.is_disc {

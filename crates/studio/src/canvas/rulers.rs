@@ -241,12 +241,7 @@ mod tests {
 
     #[test]
     fn numbers_are_readable_in_every_theme() {
-        for (is_dark, has_high_contrast, least) in [
-            (false, false, 4.5),
-            (true, false, 4.5),
-            (false, true, 7.0),
-            (true, true, 7.0),
-        ] {
+        for (is_dark, has_high_contrast, least) in crate::scene::THEMES {
             let colors = SceneColors::new(is_dark, has_high_contrast);
             let picture = draw(&Rulers::default(), &viewport(3.0), SIZE, &colors);
             let ratio = picture.labels[0].color.contrast(colors.background);

@@ -146,16 +146,11 @@ fn draw_board(
             height_mm: tip.height_mm,
         })
         .collect();
+    let (nothing, still) = (Selection::default(), Preview::default());
     let scene = CanvasScene {
-        items: &items.items,
-        selected: &Selection::default(),
-        faulty: &[],
-        heats: &[],
         pressed: &pressed,
         fingertips: &fingertips,
-        preview: &Preview::default(),
-        radius: None,
-        has_grid: false,
+        ..CanvasScene::new(&items.items, &nothing, &still)
     };
     // Fingertips in the color of skin are not seen on dark keys over a dark program.
     let colors = SceneColors {

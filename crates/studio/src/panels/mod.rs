@@ -162,7 +162,7 @@ pub struct PanelState {
     /// Theme and contrast that the window has.
     applied_look: Option<(Theme, bool)>,
     tour: Tour,
-    /// What the tour shows, or `None` while it is closed.
+    /// The step of the tour that is shown; `None` while the tour is closed.
     shown_step: Option<tour::Shown>,
     /// The list of keys is shown.
     shows_keys: bool,

@@ -107,18 +107,22 @@ impl SceneColors {
     };
 }
 
+/// All themes: dark, high contrast, and the least contrast of their words.
+#[cfg(test)]
+pub(crate) const THEMES: [(bool, bool, f32); 4] = [
+    (false, false, 4.5),
+    (true, false, 4.5),
+    (false, true, 7.0),
+    (true, true, 7.0),
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn labels_are_readable_in_every_theme() {
-        for (is_dark, has_high_contrast, least) in [
-            (false, false, 4.5),
-            (true, false, 4.5),
-            (false, true, 7.0),
-            (true, true, 7.0),
-        ] {
+        for (is_dark, has_high_contrast, least) in THEMES {
             let colors = SceneColors::new(is_dark, has_high_contrast);
             for (label, key) in [(colors.label, colors.key), (colors.lit_label, colors.lit)] {
                 let ratio = label.contrast(key);

@@ -18,6 +18,8 @@ use parry3d::math::{Pose, Vec2, Vec3};
 use self::boards::add_board;
 pub(crate) use self::boards::corners as front_corners;
 pub use self::colors::SceneColors;
+#[cfg(test)]
+pub(crate) use self::colors::THEMES;
 use self::fingertips::{add_rings, add_trail};
 use self::hand::{add_bones, add_hand};
 pub use self::plan::{PlanScene, draw_plan};

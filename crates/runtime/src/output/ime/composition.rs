@@ -5,7 +5,7 @@ use crate::output::text_field::Text;
 use ademan_core::device::pressed_keys::PressedKeys;
 use ademan_core::device::{EventKind, KeyCode, OutputEvent};
 
-/// How a character reaches the receiver.
+/// The way in which a character reaches the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
     /// As a key: no text field has the focus, or one that takes no text from an input method.

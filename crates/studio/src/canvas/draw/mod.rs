@@ -58,6 +58,23 @@ pub struct CanvasScene<'a> {
     pub has_grid: bool,
 }
 
+impl<'a> CanvasScene<'a> {
+    /// Creates a scene of items without anything over or below them.
+    pub fn new(items: &'a [Item], selected: &'a Selection, preview: &'a Preview) -> Self {
+        Self {
+            items,
+            selected,
+            faulty: &[],
+            heats: &[],
+            pressed: &[],
+            fingertips: &[],
+            preview,
+            radius: None,
+            has_grid: false,
+        }
+    }
+}
+
 /// The pen of a picture.
 struct Pen<'a> {
     picture: Picture,
@@ -354,16 +371,10 @@ mod tests {
     const SIZE: Vec2 = Vec2::new(800.0, 500.0);
 
     fn picture(items: &[Item], viewport: &Viewport) -> Picture {
+        let (nothing, still) = (Selection::default(), Preview::default());
         let scene = CanvasScene {
-            items,
-            selected: &Selection::default(),
-            faulty: &[],
-            heats: &[],
-            pressed: &[],
-            fingertips: &[],
-            preview: &Preview::default(),
-            radius: None,
             has_grid: true,
+            ..CanvasScene::new(items, &nothing, &still)
         };
         draw(&scene, viewport, SIZE, &SceneColors::LIGHT)
     }
@@ -383,17 +394,11 @@ mod tests {
     #[test]
     fn an_item_that_is_often_missed_has_a_colour() {
         let items = [square(0.0, 0.0), square(19.0, 0.0)];
+        let (nothing, still) = (Selection::default(), Preview::default());
         let heated = |heats: &[f32]| {
             let scene = CanvasScene {
-                items: &items,
-                selected: &Selection::default(),
-                faulty: &[],
                 heats,
-                pressed: &[],
-                fingertips: &[],
-                preview: &Preview::default(),
-                radius: None,
-                has_grid: false,
+                ..CanvasScene::new(&items, &nothing, &still)
             };
             let picture = draw(&scene, &Viewport::default(), SIZE, &SceneColors::LIGHT);
             let vertices = picture.below.vertices.into_iter();
@@ -425,15 +430,9 @@ mod tests {
         let preview = super::super::gesture::moved(&items, &selected, offset, snap);
         let viewport = Viewport::default();
         let scene = CanvasScene {
-            items: &items,
-            selected: &selected,
-            faulty: &[],
-            heats: &[],
-            pressed: &[],
-            fingertips: &[],
-            preview: &preview,
             radius: Some(320.0),
             has_grid: true,
+            ..CanvasScene::new(&items, &selected, &preview)
         };
         let picture = draw(&scene, &viewport, SIZE, &SceneColors::DARK);
         let label = picture.labels.iter().find(|label| label.text == "A");

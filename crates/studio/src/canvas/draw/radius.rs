@@ -81,16 +81,10 @@ mod tests {
         let place = |index: u8| [index % 5, index / 5].map(|step| 19.0 * f32::from(step));
         let around = (0..25).map(place);
         let items: Vec<Item> = around.map(|[x, y]| square(x + 22.0, y - 44.0)).collect();
+        let (nothing, still) = (Selection::default(), Preview::default());
         let scene = CanvasScene {
-            items: &items,
-            selected: &Selection::default(),
-            faulty: &[],
-            heats: &[],
-            pressed: &[],
-            fingertips: &[],
-            preview: &Preview::default(),
             radius: Some(320.0),
-            has_grid: false,
+            ..CanvasScene::new(&items, &nothing, &still)
         };
         let picture = draw(&scene, &viewport, SIZE, &SceneColors::LIGHT);
         let mut labels = picture.labels.iter();

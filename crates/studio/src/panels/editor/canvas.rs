@@ -344,7 +344,9 @@ pub(super) fn paint(
 ) {
     let colors = look::scene_colors(ui.visuals());
     let (pressed, fingertips) = live(panel, context.session);
-    let valued = live_layout(panel, context.session).map(|layout| {
+    // Keys have no values: most layouts need no other items.
+    let live_controls = live_layout(panel, context.session).filter(|it| !it.controls.is_empty());
+    let valued = live_controls.map(|layout| {
         let values = &context.session.values;
         panel.items.with_values(layout, values, viewport.scale)
     });

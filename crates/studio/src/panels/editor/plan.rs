@@ -410,15 +410,8 @@ fn paint(
     let painter = ui.painter_at(area);
     let (nothing, still) = (Selection::default(), Preview::default());
     let empty = |preview, has_grid| CanvasScene {
-        items: &[],
-        selected: &nothing,
-        faulty: &[],
-        heats: &[],
-        pressed: &[],
-        fingertips: &[],
-        preview,
-        radius: None,
         has_grid,
+        ..CanvasScene::new(&[], &nothing, preview)
     };
     let grid = draw::draw(&empty(&still, true), viewport, size, &colors);
     space::paint(&painter, area, &grid, colors.background);

@@ -161,30 +161,18 @@ fn draw_mark(
     let at = |column: usize, row: usize| (board.x + column as u16, board.y + row as u16);
     match mark {
         CellMark::Row(row) => {
-            let y = board.y + *row as u16;
-            fill(
-                Rect {
-                    y,
-                    height: 1,
-                    ..inside
-                },
-                "━",
-                buffer,
-                style,
-            );
+            let (y, height) = (board.y + *row as u16, 1);
+            let handle = Rect {
+                y,
+                height,
+                ..inside
+            };
+            fill(handle, "━", buffer, style);
         }
         CellMark::Column(column) => {
-            let x = board.x + *column as u16;
-            fill(
-                Rect {
-                    x,
-                    width: 1,
-                    ..inside
-                },
-                "┃",
-                buffer,
-                style,
-            );
+            let (x, width) = (board.x + *column as u16, 1);
+            let handle = Rect { x, width, ..inside };
+            fill(handle, "┃", buffer, style);
         }
         CellMark::Point { column, row } | CellMark::Rim { column, row } => {
             let symbol = if picture.look.is_unicode { "●" } else { "o" };
