@@ -24,6 +24,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "keyboards/number-entry"
     "keyboards/numpad"
     "keyboards/phone-pad"
+    "keyboards/phone-words"
     "keyboards/qwerty-arc"
     "keyboards/qwerty-flat"
     "keyboards/qwerty-flat-22"

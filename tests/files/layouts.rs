@@ -53,6 +53,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "number-entry",
             "numpad",
             "phone-pad",
+            "phone-words",
             "qwerty-arc",
             "qwerty-flat",
             "qwerty-flat-22",

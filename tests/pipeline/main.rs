@@ -14,6 +14,7 @@ mod carried_boards;
 mod estimator;
 mod examples;
 mod faulty_readings;
+mod found_letters;
 mod fusion;
 mod gestures;
 mod hand_sizes;

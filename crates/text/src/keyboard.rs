@@ -46,6 +46,7 @@ pub struct Keyboard {
     keys: Vec<Key>,
     /// The area of all keys together in mm².
     area: f32,
+    has_shared_keys: bool,
 }
 
 impl Keyboard {
@@ -64,15 +65,26 @@ impl Keyboard {
             .iter()
             .map(|key| key.size[0] * key.size[1])
             .sum::<f32>();
+        let letters = keys.iter().filter(|key| key.character.is_alphabetic());
+        let mut centers: Vec<Millimetres> = letters.map(|key| key.center).collect();
+        centers.sort_by(|[ax, ay], [bx, by]| ax.total_cmp(bx).then(ay.total_cmp(by)));
+        let has_shared_keys = centers.windows(2).any(|pair| pair[0] == pair[1]);
         Self {
             keys,
             area: area.max(1.0),
+            has_shared_keys,
         }
     }
 
     /// Returns the keys.
     pub fn keys(&self) -> &[Key] {
         &self.keys
+    }
+
+    /// Returns `true` if letters share a key, that is, have the same center, as on the keypad of a phone. A tap then tells the key, and
+    /// only the words tell the letter.
+    pub fn has_shared_keys(&self) -> bool {
+        self.has_shared_keys
     }
 
     /// Returns the area of all keys in mm².

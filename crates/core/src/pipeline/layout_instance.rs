@@ -303,6 +303,8 @@ impl LayoutInstance {
     ) -> u64 {
         let side = step.pose.side;
         self.key_arbiter.begin_step(side, rules.pointer_only);
+        let finds_letters = self.filter().is_some_and(PressFilter::finds_letters);
+        self.key_arbiter.set_first_letters_only(finds_letters);
         let input = DeviceInput {
             scene: &self.scene,
             angles: &step.estimate.angles,

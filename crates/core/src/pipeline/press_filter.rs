@@ -79,6 +79,11 @@ pub trait PressFilter: Send {
         None
     }
 
+    /// Returns `true` if it finds the letters of multitap keys from the words: each tap is a letter then.
+    fn finds_letters(&self) -> bool {
+        false
+    }
+
     /// Continues after text that another filter has seen; `is_inside` is `true` if the text ends inside a word.
     fn set_inside_word(&mut self, _is_inside: bool) {}
 

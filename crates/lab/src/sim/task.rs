@@ -14,6 +14,8 @@ use crate::message::escape;
 pub enum HandTask {
     /// Types a text.
     Text(String),
+    /// Types a text whose letters a text decoder finds: one tap of a multitap key for each.
+    FoundText(String),
     /// Plays a script.
     Script(Script),
     /// Does what the function returns for the active layout.
@@ -65,7 +67,8 @@ impl HandTask {
     /// Returns `true` if two texts or scripts are the same.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Text(text), Self::Text(other)) => text == other,
+            (Self::Text(text), Self::Text(other))
+            | (Self::FoundText(text), Self::FoundText(other)) => text == other,
             (Self::Script(script), Self::Script(other)) => script.text() == other.text(),
             _ => false,
         }
@@ -74,15 +77,16 @@ impl HandTask {
     /// Returns the steps on a layout. A step has the same index on every layout.
     pub(super) fn steps(&self, layout: &Layout) -> Vec<TaskStep> {
         match self {
-            Self::Text(text) => text_steps(text, layout),
+            Self::Text(text) => text_steps(text, layout, false),
+            Self::FoundText(text) => text_steps(text, layout, true),
             Self::Script(script) => script_steps(script, layout),
             Self::Fitting(_) => Vec::new(),
         }
     }
 }
 
-fn text_steps(text: &str, layout: &Layout) -> Vec<TaskStep> {
-    let planned = actions_for_characters(text, layout).into_iter();
+fn text_steps(text: &str, layout: &Layout, finds_letters: bool) -> Vec<TaskStep> {
+    let planned = actions_for_characters(text, layout, finds_letters).into_iter();
     let steps = planned.map(|planned| TaskStep {
         // A message never contains what is typed.
         problem: planned

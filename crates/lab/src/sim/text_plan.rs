@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::action::HandAction;
 use crate::contact::TargetId;
 use crate::device::keyboard::{Chord, KeyBinding};
-use crate::device::{KeyAction, KeyCode, Latch, Multitaps};
+use crate::device::{KeyAction, KeyCode, Latch, Multitap, Multitaps};
 use crate::layout::Layout;
 
 /// Time by which the pause between two letters of one multitap key is longer than its time-out.
@@ -45,9 +45,14 @@ fn list(characters: &[char]) -> String {
 }
 
 /// Returns the actions of a hand that type `text` on a layout for a receiver with a US keymap: taps, chords, and pauses between two
-/// letters of one multitap key. Shift and layers are activated by one-shots.
-pub fn actions_for_text(text: &str, layout: &Layout) -> Result<Vec<HandAction>, PlanError> {
-    let characters = actions_for_characters(text, layout);
+/// letters of one multitap key. Shift and layers are activated by one-shots. If a text decoder `finds_letters` of multitap keys, each
+/// letter is one tap.
+pub fn actions_for_text(
+    text: &str,
+    layout: &Layout,
+    finds_letters: bool,
+) -> Result<Vec<HandAction>, PlanError> {
+    let characters = actions_for_characters(text, layout, finds_letters);
     joined(text.chars().zip(characters))
 }
 
@@ -55,9 +60,11 @@ pub fn actions_for_text(text: &str, layout: &Layout) -> Result<Vec<HandAction>, 
 pub(super) fn actions_for_characters(
     text: &str,
     layout: &Layout,
+    finds_letters: bool,
 ) -> Vec<Result<Vec<HandAction>, PlanError>> {
     let keys = layout.key_bindings();
-    let planner = Planner::new(&keys, layout.bend_chords(), &layout.multitaps);
+    let mut planner = Planner::new(&keys, layout.bend_chords(), &layout.multitaps);
+    planner.finds_letters = finds_letters;
     planner.characters(text)
 }
 
@@ -111,12 +118,6 @@ impl Stroke<'_> {
         own.or_else(|| self.actions.first().copied().flatten())
     }
 
-    /// Returns `true` if the stroke is a multitap key in a layer.
-    fn has_multitap(self) -> bool {
-        let mut actions = self.actions.iter().flatten();
-        actions.any(|action| matches!(action, KeyAction::Multitap(_)))
-    }
-
     fn action(self) -> HandAction {
         match *self.targets {
             [target] => HandAction::tap(target),
@@ -131,6 +132,8 @@ struct Planner<'a> {
     /// Layers, nearest first, with the strokes that activate each.
     layers: Vec<(usize, Vec<Stroke<'a>>)>,
     multitaps: &'a Multitaps,
+    /// `true` if a text decoder finds the letters of multitap keys.
+    finds_letters: bool,
 }
 
 impl<'a> Planner<'a> {
@@ -147,6 +150,7 @@ impl<'a> Planner<'a> {
             strokes: keys.chain(chords).collect(),
             layers: Vec::new(),
             multitaps,
+            finds_letters: false,
         };
         planner.find_layers();
         planner
@@ -178,7 +182,7 @@ impl<'a> Planner<'a> {
             let first = strokes.first().map(|stroke| stroke.targets);
             let pause = (first.is_some() && first == open)
                 .then(|| HandAction::Wait(self.multitaps.timeout + PAUSE_MARGIN));
-            let last = strokes.last().filter(|stroke| stroke.has_multitap());
+            let last = strokes.last().filter(|stroke| self.has_choice(**stroke));
             open = last.map(|stroke| stroke.targets);
             let taps = strokes.into_iter().map(Stroke::action);
             Ok(pause.into_iter().chain(taps).collect())
@@ -212,14 +216,36 @@ impl<'a> Planner<'a> {
         Some(strokes)
     }
 
-    /// Returns the number of taps of a multitap key that choose a letter.
-    fn taps(&self, action: KeyAction, letter: KeyAction) -> Option<usize> {
+    /// Returns the multitap key of an action.
+    fn multitap(&self, action: KeyAction) -> Option<&'a Multitap> {
         let KeyAction::Multitap(id) = action else {
             return None;
         };
-        let key = self.multitaps.keys.get(usize::from(id.0))?;
+        self.multitaps.keys.get(usize::from(id.0))
+    }
+
+    /// Returns `true` if a text decoder finds the letters of a multitap key from one tap each.
+    fn is_found(&self, key: &Multitap) -> bool {
+        self.finds_letters && key.has_word_letters()
+    }
+
+    /// Returns `true` if taps in a row of a stroke choose a letter in a layer.
+    fn has_choice(&self, stroke: Stroke) -> bool {
+        let keys = stroke.actions.iter().flatten();
+        let mut keys = keys.filter_map(|action| self.multitap(*action));
+        keys.any(|key| !self.is_found(key))
+    }
+
+    /// Returns the number of taps of a multitap key that choose a letter.
+    fn taps(&self, action: KeyAction, letter: KeyAction) -> Option<usize> {
+        let key = self.multitap(action)?;
         let index = key.letters.iter().position(|other| *other == letter)?;
-        Some(index + 1)
+        let is_letter = |code: KeyCode| code.us_character(false).is_some_and(char::is_alphabetic);
+        match letter {
+            _ if !self.is_found(key) => Some(index + 1),
+            KeyAction::Key(code) => is_letter(code).then_some(1),
+            _ => None,
+        }
     }
 
     /// Returns the first stroke with a matching action in a layer.
@@ -253,7 +279,7 @@ fn is_one_shot_shift(action: KeyAction) -> bool {
 mod tests {
     use super::*;
     use crate::device::keyboard::Activation;
-    use crate::device::{Multitap, MultitapId};
+    use crate::device::MultitapId;
 
     fn key(id: u32, actions: &[Option<KeyAction>]) -> KeyBinding {
         KeyBinding {
@@ -332,8 +358,9 @@ mod tests {
         };
         let mut keys = board();
         keys.push(key(3, &[Some(KeyAction::Multitap(MultitapId(0)))]));
-        let planner = Planner::new(&keys, &[], &multitaps);
-        let words = |text: &str| {
+        let words = |text: &str, finds_letters: bool| {
+            let mut planner = Planner::new(&keys, &[], &multitaps);
+            planner.finds_letters = finds_letters;
             let planned = planner.characters(text);
             let actions = planned.into_iter().flat_map(Result::unwrap);
             let words = actions.map(|action| match action {
@@ -343,9 +370,11 @@ mod tests {
             });
             words.collect::<Vec<_>>().join(" ")
         };
-        assert_eq!(words("baq"), "3 3 900 ms 3 0");
-        assert_eq!(words("aqa"), "3 0 3");
-        assert_eq!(words("aB"), "3 1 3 3");
+        assert_eq!(words("baq", false), "3 3 900 ms 3 0");
+        assert_eq!(words("aqa", false), "3 0 3");
+        assert_eq!(words("aB", false), "3 1 3 3");
+        // A text decoder finds the letters.
+        assert_eq!(words("baqB", true), "3 3 0 1 3");
         assert_eq!(taps_for_text("a", &keys, &[]).ok(), None);
     }
 

@@ -67,7 +67,8 @@ impl LoadedSetup {
         settings: &TypistSettings,
         kind: SampleKind,
     ) -> Result<SimulatedTypist, SetupError> {
-        let actions = sim::actions_for_text(text, &self.layout);
+        let finds_letters = self.finds_letters();
+        let actions = sim::actions_for_text(text, &self.layout, finds_letters);
         let actions = actions.map_err(TypistError::from)?;
         let hands = self.hands(kind)?;
         let hands = borrowed(&hands);
@@ -86,7 +87,12 @@ impl LoadedSetup {
             )),
             None => error.into(),
         })?;
-        Ok(self.following(typist, HandTask::Text(text.to_owned())))
+        let task = if finds_letters {
+            HandTask::FoundText(text.to_owned())
+        } else {
+            HandTask::Text(text.to_owned())
+        };
+        Ok(self.following(typist, task))
     }
 
     fn following(&self, typist: SimulatedTypist, task: HandTask) -> SimulatedTypist {

@@ -65,6 +65,13 @@ impl LoadedSetup {
         Some(format!("words are not corrected: {error}"))
     }
 
+    /// Returns `true` if a text decoder finds the letters of multitap keys of the layout from the words.
+    pub(super) fn finds_letters(&self) -> bool {
+        let setup = self.setup.text.as_ref();
+        let decodes = setup.is_some_and(|setup| TextMode::from(setup.mode) != TextMode::Literal);
+        decodes && self.language.is_some() && text::finds_letters(&self.layout)
+    }
+
     /// Returns the run-time instance of a layout, with a text decoder if the setup has one.
     pub(super) fn instance(&self, layout: &Layout, mode: Option<TextMode>) -> LayoutInstance {
         let setup = self.setup.text.as_ref().zip(self.language.as_ref());

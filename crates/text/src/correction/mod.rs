@@ -15,6 +15,9 @@
 //! | any | pause, loss, stall, another key | partial, if inside a word | none; the person is learned, and nothing is pending any more |
 //! | partial | character that ends a word | typing | the character |
 //!
+//! Where letters share keys, [`Mode::Auto`] replaces what differs with each letter, and a Backspace deletes one character: what was
+//! typed there is no word that a person could mean.
+//!
 //! In [`Mode::Literal`] every press is passed on as it is, and the decoder does not see it.
 
 mod names;
@@ -121,6 +124,10 @@ impl<'m> Corrector<'m> {
         &self.restored
     }
 
+    fn shares_keys(&self) -> bool {
+        self.decoder.keyboard().has_shared_keys()
+    }
+
     /// Returns the mode.
     pub fn mode(&self) -> Mode {
         self.mode
@@ -162,6 +169,11 @@ impl<'m> Corrector<'m> {
         // The key may have deleted the text.
         self.drop_pending();
         self.is_partial = true;
+    }
+
+    /// Returns `true` if the decoder has seen the word from its beginning.
+    pub fn knows_word(&self) -> bool {
+        !self.is_partial
     }
 
     /// Returns `true` if the text before the cursor ends inside a word, as far as is known.
@@ -258,8 +270,15 @@ impl<'m> Corrector<'m> {
         });
         // Where a hand lies beside the keys, hardly a typed character ends a word, and text would grow beyond what a step corrects.
         let reads_ahead = self.mode == Mode::Auto && !self.is_partial;
-        if ends_word(character) || reads_ahead && self.decoder.ends_word_beside_its_key() {
+        let shares_keys = self.shares_keys();
+        if ends_word(character)
+            || reads_ahead && !shares_keys && self.decoder.ends_word_beside_its_key()
+        {
             self.end_word();
+        } else if reads_ahead && shares_keys {
+            self.target.clear();
+            self.target.push_str(self.decoder.reading());
+            self.replace();
         }
         &self.edits
     }
@@ -299,7 +318,8 @@ impl<'m> Corrector<'m> {
         let Some(Difference { prefix, removed }) = difference(&self.shown, &self.target) else {
             return true;
         };
-        if self.restored.touches(&self.shown, prefix, &self.target) {
+        let is_restored = || self.restored.touches(&self.shown, prefix, &self.target);
+        if !self.shares_keys() && is_restored() {
             return false;
         }
         self.replace_tail(prefix, removed);
@@ -317,7 +337,7 @@ impl<'m> Corrector<'m> {
         }
         self.edits.extend(old.chars().map(|_| Edit::Backspace));
         self.edits.extend(new.chars().map(Edit::Type));
-        self.undo.is_possible = true;
+        self.undo.is_possible = !self.shares_keys();
         self.undo.is_inside = self.shown.ends_with(|last| !ends_word(last));
         self.undo.corrected = new.chars().count();
         self.undo.typed.clear();

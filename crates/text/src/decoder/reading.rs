@@ -14,7 +14,8 @@ impl Decoder<'_> {
             .map_or("", |best| best.text.as_str())
     }
 
-    /// Returns the most probable texts since the last commit, the best first. What was typed is always one of them.
+    /// Returns the most probable texts since the last commit, the best first. What was typed is always one of them, unless letters share
+    /// keys.
     pub fn candidates(&mut self) -> &[Candidate] {
         self.finish();
         self.found = 0;
@@ -38,7 +39,9 @@ impl Decoder<'_> {
                 self.found += 1;
             }
         }
-        self.add_literal();
+        if self.found == 0 || !self.keyboard.has_shared_keys() {
+            self.add_literal();
+        }
         &self.candidates[..self.found]
     }
 
@@ -50,7 +53,12 @@ impl Decoder<'_> {
         let Some(best) = self.finished.first().copied() else {
             return self.literal.text();
         };
-        let margin = self.options.margin * self.literal.trust();
+        let margin = if self.keyboard.has_shared_keys() {
+            // The typed letters are only the first ones of their keys.
+            0.0
+        } else {
+            self.options.margin * self.literal.trust()
+        };
         for index in 0..self.finished.len() {
             let finished = self.finished[index];
             if best.score - finished.score >= margin {

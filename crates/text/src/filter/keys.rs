@@ -7,7 +7,7 @@ use parry3d::math::{Pose, Vec3};
 use ademan_core::command::Command;
 use ademan_core::contact::surface::Scene;
 use ademan_core::contact::{Press, TargetId, trusted_fingertip};
-use ademan_core::device::{Capabilities, Capability, KeyAction, KeyCode};
+use ademan_core::device::{Capabilities, Capability, KeyAction, KeyCode, MultitapId};
 use ademan_core::hand::{Finger, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
@@ -37,6 +37,7 @@ pub(super) enum Typed {
 #[derive(Clone, Debug)]
 struct Place {
     target: TargetId,
+    /// The character; the first one of a key that letters share.
     character: char,
     /// The center, in the plane of the decoder, of the first key that types the character.
     center: Millimetres,
@@ -72,6 +73,12 @@ impl TextKeys {
         if shows_other_keymap(layout) {
             return None;
         }
+        let singles = layout.keys.iter().filter_map(|key| {
+            let action = key.action(0)?;
+            character(layout, action, false)
+        });
+        // Otherwise multitap keys give the accents of letters that have keys of their own.
+        let shares_keys = singles.filter(|single| single.is_alphabetic()).count() < MIN_LETTERS;
         let mut keys: Vec<Key> = Vec::new();
         let mut places = Vec::new();
         let mut left = 0.0;
@@ -80,11 +87,8 @@ impl TextKeys {
             let surface = layout.scene.surfaces().get(board_index);
             let side = surface.and_then(|surface| surface.side());
             for key in &layout.keys[board.keys.clone()] {
-                let Some(character) = key
-                    .action(0)
-                    .and_then(|action| character(layout, action, false))
-                    .map(lower)
-                else {
+                let characters = characters(layout, key.action(0), shares_keys);
+                let Some(&character) = characters.first() else {
                     continue;
                 };
                 let face = &key.face;
@@ -95,12 +99,12 @@ impl TextKeys {
                 // A second key of the same character counts as the first one.
                 let center = known.map_or(own_center, |known| known.center);
                 if known.is_none() {
-                    keys.push(Key {
+                    keys.extend(characters.into_iter().map(|character| Key {
                         character,
                         center,
                         size: [half.x * 2e3, half.y * 2e3],
                         hand: u8::from(has_two_hands && is_right(side, at.x)),
-                    });
+                    }));
                 }
                 let target = layout.scene.target(face.target);
                 places.push(Place {
@@ -242,6 +246,23 @@ fn character(layout: &Layout, action: KeyAction, shifted: bool) -> Option<char> 
             characters.next().is_none().then_some(first)
         }
         _ => None,
+    }
+}
+
+/// Returns the characters in lower case that a tap of a key may mean: one, or if `shares_keys` is `true` the letters of a multitap key.
+fn characters(layout: &Layout, action: Option<KeyAction>, shares_keys: bool) -> Vec<char> {
+    let single = |action| character(layout, action, false).map(lower);
+    let Some(KeyAction::Multitap(MultitapId(index))) = action.filter(|_| shares_keys) else {
+        return action.and_then(single).into_iter().collect();
+    };
+    let Some(multitap) = layout.multitaps.keys.get(usize::from(index)) else {
+        return Vec::new();
+    };
+    let characters = multitap.letters.iter().copied().filter_map(single);
+    if multitap.has_word_letters() {
+        characters.filter(|letter| letter.is_alphabetic()).collect()
+    } else {
+        characters.take(1).collect()
     }
 }
 

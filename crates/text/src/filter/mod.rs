@@ -145,6 +145,12 @@ pub fn capabilities(layout: &Layout, accents: bool) -> Capabilities {
         .unwrap_or_default()
 }
 
+/// Returns `true` if the text decoder of a layout finds the letters of its multitap keys from one tap each: it has no other keys with
+/// letters.
+pub fn finds_letters(layout: &Layout) -> bool {
+    TextKeys::new(layout, false).is_some_and(|keys| keys.keyboard().has_shared_keys())
+}
+
 fn check<'m>(name: &str, bytes: &'m [u8]) -> Result<Model<'m>, String> {
     Model::from_bytes(bytes)
         .map_err(|error| format!("cannot use the language model {}: {error}", escape(name)))

@@ -435,6 +435,12 @@ impl PressFilter for TextFilter {
         })
     }
 
+    fn finds_letters(&self) -> bool {
+        self.state.mode != TextMode::Literal
+            && self.keys.keyboard().has_shared_keys()
+            && self.corrector.knows_word()
+    }
+
     fn set_inside_word(&mut self, is_inside: bool) {
         self.is_inside_word = is_inside;
         self.corrector.set_inside_word(is_inside);

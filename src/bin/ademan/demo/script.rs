@@ -29,6 +29,7 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "mixer"
     "number-entry"
     "phone-pad"
+    "phone-words"
     "piano"
     "qwerty-swipe"
     "qwerty-words"

@@ -47,7 +47,7 @@ pub fn choose(choice: TextChoice, layout: &Layout) -> Result<String, Failure> {
 }
 
 fn default_text(layout: &Layout, texts: [&str; 3]) -> String {
-    let can_type = |text: &str| actions_for_text(text, layout).is_ok();
+    let can_type = |text: &str| actions_for_text(text, layout, false).is_ok();
     if let Some(text) = texts.into_iter().find(|text| can_type(text)) {
         return text.to_owned();
     }

@@ -47,6 +47,8 @@ pub struct KeyArbiter {
     /// The sequence that runs. Only one runs at a time.
     running: Option<RunningSequence>,
     multitaps: Multitaps,
+    /// `true` if a text decoder finds the letters of words, so that taps in a row are letters of their own.
+    first_letters_only: bool,
     /// The letter that another tap replaces, until another press, a time-out or a loss.
     cycle: Option<Cycle>,
     /// The number of presses that replaced letters.

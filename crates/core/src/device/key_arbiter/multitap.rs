@@ -21,6 +21,16 @@ pub struct Multitap {
     pub letters: Vec<KeyAction>,
 }
 
+impl Multitap {
+    /// Returns `true` if the first two taps type letters of words, and not signs.
+    pub fn has_word_letters(&self) -> bool {
+        let is_letter = |action: &KeyAction| {
+            matches!(action, KeyAction::Key(code) if code.us_character(false).is_some_and(char::is_alphabetic))
+        };
+        self.letters.len() > 1 && self.letters.iter().take(2).all(is_letter)
+    }
+}
+
 /// The index of a list of letters in the list of the [`KeyArbiter`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MultitapId(pub u16);
@@ -78,6 +88,17 @@ impl KeyArbiter {
         Self { multitaps, ..self }
     }
 
+    /// Makes each tap of a key with [letters of words](Multitap::has_word_letters) type the first one, or lets taps in a row choose.
+    pub fn set_first_letters_only(&mut self, is_first_only: bool) {
+        self.first_letters_only = is_first_only;
+    }
+
+    /// Returns `true` if taps in a row choose a letter of a key.
+    fn has_choice(&self, id: MultitapId) -> bool {
+        let key = self.multitaps.keys.get(usize::from(id.0));
+        !self.first_letters_only || key.is_none_or(|key| !key.has_word_letters())
+    }
+
     /// Returns the number of presses since the last call that replaced a letter. The arbiter made them, not the person.
     pub fn take_replacing_presses(&mut self) -> usize {
         std::mem::take(&mut self.replacing_presses)
@@ -101,7 +122,8 @@ impl KeyArbiter {
 
     /// Returns `true` if a tap chooses another letter: it is on the same control, in the same layer and in time.
     fn continues(&self, cycle: &Cycle, source: PressSource, time: Timestamp) -> bool {
-        is_same_control(cycle.source, source)
+        self.has_choice(cycle.id)
+            && is_same_control(cycle.source, source)
             && cycle.layer == self.active_layer()
             && time.since(cycle.time) <= self.multitaps.timeout
     }

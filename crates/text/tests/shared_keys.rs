@@ -1,0 +1,104 @@
+//! Keyboards whose keys have several letters each, such as the keypad of a phone.
+
+mod support;
+
+use ademan_text::{Key, Keyboard, Options};
+use support::field::Field;
+use support::phrases::phrases;
+
+/// The letters of the keys of a phone from 2 to 9.
+const PAD: [&str; 8] = ["abc", "def", "ghi", "jkl", "mno", "pqrs", "tuv", "wxyz"];
+/// The distance of the keys in millimetres.
+const PITCH: [f32; 2] = [30.0, 22.0];
+
+/// Returns the keypad of a phone, with a key for the space below.
+fn pad() -> Keyboard {
+    let key = |character, place: usize| Key {
+        character,
+        center: [
+            (place % 3) as f32 * PITCH[0],
+            (place / 3) as f32 * PITCH[1],
+        ],
+        size: [27.0, 19.0],
+        hand: 0,
+    };
+    let letters = PAD.iter().zip(1..).flat_map(|(letters, place)| {
+        letters.chars().map(move |character| key(character, place))
+    });
+    Keyboard::new(letters.chain([key(' ', 10)]))
+}
+
+/// Returns the first letter of the key of a letter, which a tap of it types.
+fn typed(letter: char) -> char {
+    let key = PAD.iter().find(|letters| letters.contains(letter));
+    key.and_then(|letters| letters.chars().next()).unwrap_or(letter)
+}
+
+fn types(field: &mut Field, text: &str) {
+    for letter in text.chars() {
+        let position = field.center(letter);
+        field.tap(position, typed(letter));
+    }
+}
+
+fn field() -> Field<'static> {
+    let options = Options {
+        capitals: false,
+        ..Options::default()
+    };
+    Field::on(ademan_text::languages::ENGLISH, pad(), options)
+}
+
+#[test]
+fn nineteen_of_twenty_words_are_read_from_one_tap_a_letter() {
+    let Some(phrases) = phrases(true) else {
+        println!("SKIPPED nineteen_of_twenty_words_are_read_from_one_tap_a_letter: no sentences");
+        return;
+    };
+    let is_typed = |letter: &char| letter.is_ascii_lowercase() || *letter == ' ';
+    let (mut words, mut right) = (0, 0);
+    for phrase in phrases.iter().take(200) {
+        let phrase: String = phrase.chars().filter(is_typed).collect();
+        let mut field = field();
+        types(&mut field, &phrase);
+        types(&mut field, " ");
+        let read = field.text.to_lowercase();
+        if std::env::var_os("SHOW").is_some() && read.trim()!=phrase {println!("{phrase}\n{read}");}
+        for (meant, read) in phrase.split(' ').zip(read.split(' ')) {
+            words += 1;
+            right += usize::from(meant == read);
+        }
+    }
+    println!("{right} of {words}");
+    assert!(words > 1_000, "{words}");
+    assert!(right * 20 >= words * 19, "{right} of {words}");
+}
+
+#[test]
+fn each_letter_shows_the_likeliest_word_and_a_backspace_deletes_one() {
+    let mut field = field();
+    types(&mut field, "hello");
+    assert_eq!(field.text, "hello");
+    types(&mut field, " ");
+    assert_eq!(field.text, "hello ");
+    // It undoes no correction: what was typed is no word.
+    field.backspace();
+    assert_eq!(field.text, "hello");
+    field.backspace();
+    field.backspace();
+    types(&mut field, "p ");
+    assert_eq!(field.text, "help ");
+}
+
+#[test]
+fn a_candidate_takes_the_place_of_the_word() {
+    let mut field = field();
+    types(&mut field, "home");
+    let candidates = field.corrector.candidates().to_vec();
+    let texts: Vec<&str> = candidates.iter().map(|it| it.text.as_str()).collect();
+    assert!(texts.contains(&"good") && texts.contains(&"home"), "{texts:?}");
+    let other = texts.iter().position(|text| *text != field.text);
+    let other = other.expect("another word");
+    Field::apply(&mut field.text, field.corrector.accept(other));
+    assert_eq!(field.text, format!("{} ", texts[other]));
+}

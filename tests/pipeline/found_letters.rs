@@ -1,0 +1,93 @@
+//! Multitap keys whose letters the text decoder finds from the words, one tap a letter.
+
+use std::num::NonZeroU32;
+
+use ademan::capture::Hc11Format;
+use ademan::command::CommandOrigin;
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::text::{TextModeSetup, TextSetup};
+
+use crate::text::{Typed, play};
+
+fn setup(layout: &str, mode: Option<TextModeSetup>) -> LoadedSetup {
+    let setup = Setup {
+        layout: layout.into(),
+        text: mode.map(|mode| TextSetup {
+            mode,
+            ..TextSetup::default()
+        }),
+        ..Setup::default()
+    };
+    setup.load_files().expect("the shipped layout")
+}
+
+fn line(baud: u32) -> Hc11Format {
+    Hc11Format {
+        baud: NonZeroU32::new(baud).expect("a baud"),
+        ..Hc11Format::default()
+    }
+}
+
+fn types(mode: TextModeSetup, text: &str, format: &Hc11Format) -> String {
+    let setup = setup("phone-pad", Some(mode));
+    let typist = setup.typist(text, format, 0.0, 0).expect("a text");
+    play(&setup, typist, |_, _, _| {}).text
+}
+
+/// Performs a script on a pad with keys for the modes and the candidates, at a rate at which taps in a row are in time.
+fn performs(script: &str) -> String {
+    let setup = setup("phone-words", None);
+    let hand = setup.scripted(script, &line(115_200), 0.0, 0);
+    play(&setup, hand.expect("a script"), |_, _, _| {}).text
+}
+
+#[test]
+fn one_tap_is_one_letter_however_fast_the_taps_follow() {
+    let text = "the cab is at home ";
+    for baud in [9_600, 115_200] {
+        assert_eq!(types(TextModeSetup::Auto, text, &line(baud)), text);
+    }
+    // Nothing is replaced before a candidate is taken.
+    let first_letters = types(TextModeSetup::Suggest, text, &line(115_200));
+    assert_eq!(first_letters, "tgd aaa gp at gmmd ");
+}
+
+#[test]
+fn keys_with_signs_choose_by_taps_in_a_row() {
+    let text = "hello, moon. ";
+    assert_eq!(types(TextModeSetup::Auto, text, &line(115_200)), text);
+}
+
+#[test]
+fn the_keys_of_the_modes_switch_between_words_and_letters() {
+    let found = performs("tap words; tap 2; tap 2; tap 2; tap Space");
+    assert_eq!(found.chars().count(), 4, "{found}");
+    assert_ne!(found, "c ");
+    assert_eq!(performs("tap letters; tap 2; tap 2; tap 2; tap Space"), "c ");
+    assert_eq!(performs("tap 2; tap 2; tap 2; tap Space"), "c ");
+}
+
+#[test]
+fn a_candidate_takes_the_place_of_a_word() {
+    let hello = "tap words; tap 4; tap 3; tap 5; tap 5; tap 6";
+    assert_eq!(performs(&format!("{hello}; tap candidate-1")), "hello ");
+    let second = performs(&format!("{hello}; tap candidate-2"));
+    assert!(second.ends_with(' ') && second != "hello ", "{second}");
+}
+
+#[test]
+fn behind_text_that_is_not_known_taps_in_a_row_choose() {
+    let setup = setup("phone-words", Some(TextModeSetup::Auto));
+    let script = "tap 4; tap 3; wait 3000; tap 2; tap 2; tap 2";
+    let hand = setup.scripted(script, &line(115_200), 0.0, 0);
+    let mut is_paused = false;
+    let Typed { text, .. } = play(&setup, hand.expect("a script"), |presses, pipeline, events| {
+        // The first two letters, of which the second one changes the first.
+        if presses >= 2 && !is_paused {
+            is_paused = true;
+            pipeline.pause(CommandOrigin::Client, events);
+            pipeline.resume(CommandOrigin::Client);
+        }
+    });
+    assert!(text.ends_with('c'), "{text}");
+}
