@@ -60,6 +60,11 @@ static void sendReading() {
 
 #elif FORMAT == FORMAT_LUCIDGLOVES
 
+constexpr bool isChannel(uint8_t channel) { return channel < PIN_COUNT * MUX_INPUTS; }
+static_assert(isChannel(CURL_CHANNELS[0]) && isChannel(CURL_CHANNELS[1]) && isChannel(CURL_CHANNELS[2]) &&
+                  isChannel(CURL_CHANNELS[3]) && isChannel(CURL_CHANNELS[4]),
+              "CURL_CHANNELS names a channel that no pin measures: add pins to ANALOG_PINS, or inputs with MUX_INPUTS");
+
 static void sendReading() {
   readChannels();
   for (uint8_t finger = 0; finger < 5; finger++) {

@@ -37,7 +37,7 @@ const uint8_t ADC_BITS = 10;
 const unsigned int SETTLE_US = 10;
 
 // The channels of thumb, index, middle, ring and little finger for LUCIDGLOVES.
-const uint8_t CURL_CHANNELS[5] = {0, 1, 2, 3, 4};
+constexpr uint8_t CURL_CHANNELS[5] = {0, 1, 2, 3, 4};
 
 // Lines per second of LUCIDGLOVES and IMU.
 const unsigned long LINE_RATE_HZ = 100;

@@ -1,5 +1,9 @@
 """Layouts, compared with measures that their files state."""
 
+import os
+import subprocess
+import sys
+
 import matplotlib
 import pytest
 
@@ -44,6 +48,19 @@ def test_a_program_that_is_missing_is_named(monkeypatch, tmp_path):
     monkeypatch.setenv("ADEMAN", str(tmp_path / "none"))
     with pytest.raises(ademan.ProgramError, match="does not exist"):
         ademan.read_layout("qwerty-flat")
+
+
+def test_the_output_of_the_program_is_utf_8_in_every_locale(tmp_path):
+    if os.name != "posix":
+        pytest.skip("SKIPPED the locale of the process is not set by a variable")
+    file = tmp_path / "ademan"
+    file.write_text("#!/bin/sh\nprintf '\\303\\241'\n")
+    file.chmod(0o755)
+    code = "from ademan.program import call; print(ascii(call([])))"
+    ascii_only = {"ADEMAN": str(file), "LC_ALL": "C", "PYTHONCOERCECLOCALE": "0"}
+    called = [sys.executable, "-X", "utf8=0", "-c", code]
+    ended = subprocess.run(called, env=os.environ | ascii_only, capture_output=True, check=False)
+    assert ended.stdout == b"'\\xe1'\n", ended.stderr
 
 
 def test_a_board_is_drawn_with_each_target(program, recorded):

@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::thread;
 use std::time::Duration;
 
@@ -12,18 +12,23 @@ use serde_json::Value;
 use crate::support::binary::ademan;
 use crate::support::process::{Process, lock_spawning};
 
-/// Compiles the sketch with the stand-in for the Arduino library, with these macros. The reason if there is no compiler.
-fn compile(macros: &[&str], folder: &Path) -> Result<PathBuf, String> {
+/// Compiles the sketch to a program with the stand-in for the Arduino library, with these macros. The reason if there is no compiler.
+fn run_compiler(macros: &[&str], program: &Path) -> Result<Output, String> {
     let test = Path::new(env!("CARGO_MANIFEST_DIR")).join("firmware/test");
-    let program = folder.join("sketch");
     let mut compiler = Command::new("g++");
     // The language of the compiler for AVR boards.
     compiler
         .args("-std=c++11 -O1 -Wall -Wextra -Werror -I".split(' '))
         .arg(&test);
     compiler.args(macros.iter().map(|name| format!("-D{name}")));
-    compiler.arg(test.join("fake.cpp")).arg("-o").arg(&program);
-    let output = compiler.output().map_err(|error| format!("g++: {error}"))?;
+    compiler.arg(test.join("fake.cpp")).arg("-o").arg(program);
+    compiler.output().map_err(|error| format!("g++: {error}"))
+}
+
+/// Returns the program that the compiler makes of the sketch. The reason if there is no compiler.
+fn compile(macros: &[&str], folder: &Path) -> Result<PathBuf, String> {
+    let program = folder.join("sketch");
+    let output = run_compiler(macros, &program)?;
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");
     Ok(program)
@@ -140,4 +145,20 @@ fn quaternions_of_the_inertial_sensor_turn_the_wrist_about_the_vertical() {
         latest = degrees.rem_euclid(360.0);
     }
     assert!(latest > 45.0, "{latest}");
+}
+
+#[test]
+fn a_finger_without_a_sensor_is_refused_by_the_compiler() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let macros = ["FORMAT=FORMAT_LUCIDGLOVES", "MUX_INPUTS=1"];
+    match run_compiler(&macros, &folder.path().join("sketch")) {
+        Err(reason) => println!("SKIPPED: no compiler for C++: {reason}"),
+        Ok(output) => {
+            let errors = String::from_utf8_lossy(&output.stderr);
+            assert!(
+                errors.contains("a channel that no pin measures"),
+                "{errors}"
+            );
+        }
+    }
 }

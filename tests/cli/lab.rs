@@ -92,6 +92,10 @@ fn a_score_is_printed_written_and_verified() {
         &result.replacen("the kettle", "the teapot", 1),
         "do not have the hash",
     );
+    refused(
+        &result.replacen("\"drawn\": 3", "\"drawn\": 4000000000", 1),
+        "more people or phrases than a run may have",
+    );
     let pace = result.rfind("\"pace_wpm\": ").expect("a parameter");
     let changed_pace = result[..pace].to_owned() + "\"pace_wpm\": 1" + &result[pace + 12..];
     refused(&changed_pace, "the parameters of the people differ");

@@ -213,6 +213,11 @@ fn foreign_shards_and_plans_of_other_versions_are_refused() {
             "of the program wrote it",
         ),
         ("\"shards\": 4", "\"shards\": 0", "it plans nothing"),
+        (
+            "\"people\": ",
+            "\"people\": 9000000000000000",
+            "more people or phrases than a run may have",
+        ),
         ("ademan-lab-plan", "ademan-lab-result", "its format is not"),
         ("the kettle", "the teapot", "do not have the hash"),
         ("{", "", "cannot be read"),

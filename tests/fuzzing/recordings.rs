@@ -158,6 +158,8 @@ pub fn message_seeds() -> Vec<Vec<u8>> {
         "tilt 5",
         "scale 0.9",
         "profile a",
+        "text auto",
+        "candidate 2",
     ] {
         let command = text.parse().expect("a command");
         let mut message = Vec::new();

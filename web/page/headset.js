@@ -15,6 +15,10 @@ const MODES = { "immersive-vr": "enter-vr", "immersive-ar": "enter-ar" };
 const FADE_MS = 220;
 const PANEL_M = [0.16, 0.05];
 
+/** The phases of a touch at which a key goes down and comes up. */
+const PRESS = "pressed";
+const ENDS = ["released", "cancelled"];
+
 const element = (id) => document.getElementById(id);
 
 /** The headset of the page: what `main.js` tells it, and what runs. */
@@ -25,11 +29,7 @@ const computer = connectComputer((text) => page.notify(text), (layout) => page.o
 /** Hears what the stages say: a touch sounds, and the panel shows the text. */
 export function hear(message) {
   if (!running) return;
-  if (message.kind === "touches" && ["began", "ended", "cancelled"].includes(message.phase)) {
-    const isPress = message.phase === "began";
-    click(isPress);
-    if (isPress) pulse(running.hands[message.side]?.source);
-  }
+  if (message.kind === "touches") sound(message);
   if (message.kind === "session" && message.text !== running.text) {
     running.text = message.text;
     running.scene.setPanel(paintPanel);
@@ -37,6 +37,18 @@ export function hear(message) {
   if (message.kind === "candidates") {
     running.candidates = message.words ?? [];
     running.scene.setPanel(paintPanel);
+  }
+}
+
+/** Clicks when a fingertip presses a key, and when that key comes up. */
+function sound({ phase, side, finger }) {
+  const tip = `${side} ${finger}`;
+  if (phase === PRESS) {
+    running.pressing.add(tip);
+    click(true);
+    pulse(running.hands[side]?.source);
+  } else if (ENDS.includes(phase) && running.pressing.delete(tip)) {
+    click(false);
   }
 }
 
@@ -75,7 +87,7 @@ async function run(started) {
   page.stages.release();
   running = {
     session: started, gl, space, canvas, hands: {}, boards: new Boards(), scene: new Scene(gl), colors: theme(),
-    layout: null, text: null, candidates: [], lastPush: -1,
+    layout: null, text: null, candidates: [], lastPush: -1, pressing: new Set(),
   };
   // For a look from outside of a headset, as in the tests.
   element("headset").dataset.session = started.environmentBlendMode ?? "opaque";

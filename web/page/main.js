@@ -134,6 +134,7 @@ function begin() {
 }
 
 const MAX_RECORDING_BYTES = 15e6;
+const MAX_LAYOUT_BYTES = 1 << 20;
 
 /** Plays a recording, a motion capture file or one with lines of JSON, whose protocol the first line shows; a layout is opened. */
 async function play(file) {
@@ -144,11 +145,15 @@ async function play(file) {
     return playRecording(stages, file, { notify, open: begin, openLayout });
   }
   const text = await file.text();
-  if (file.name.endsWith(".ron")) return openLayout(text);
+  if (file.name.endsWith(".ron")) return file.size > MAX_LAYOUT_BYTES ? notify("the layout is larger than 1 MiB") : openLayout(text);
   const protocol = protocolOf(text);
   if (!protocol) return notify("the file is no recording (.mcap), no motion capture (BVH), and no lines with hands of a headset or webcam; a layout ends with .ron");
-  const { readings, refused, error } = stages.playFile(protocol, text);
-  notify(error ?? `${readings} readings of ${protocol}${refused ? `; the rest cannot be read: ${refused}` : ""}`);
+  try {
+    const { readings, refused, error } = stages.playFile(protocol, text);
+    notify(error ?? `${readings} readings of ${protocol}${refused ? `; the rest cannot be read: ${refused}` : ""}`);
+  } catch (error) {
+    notify(`the file cannot be read: ${error.message}`);
+  }
 }
 
 /** Returns the protocol of a file; undefined if it has no hands. */

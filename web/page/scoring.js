@@ -8,6 +8,7 @@ addEventListener("message", async ({ data: { people, layout } }) => {
     const taken = (length) => new TextDecoder().decode(new Uint8Array(memory.buffer, output(), length));
     const bytes = new TextEncoder().encode(layout);
     const at = input(bytes.length);
+    if (at === 0) throw new Error("the layout is larger than 2 MiB");
     new Uint8Array(memory.buffer, at, bytes.length).set(bytes);
     const error = taken(begin(people, bytes.length));
     if (error) return postMessage({ error });

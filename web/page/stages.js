@@ -16,6 +16,7 @@ export async function loadStages() {
   const put = (input) => {
     const bytes = typeof input === "string" ? encoder.encode(input) : input;
     const at = exports.page_input(bytes.length);
+    if (at === 0) throw new Error("the text is larger than 16 MiB");
     new Uint8Array(memory.buffer, at, bytes.length).set(bytes);
     return bytes.length;
   };

@@ -80,12 +80,15 @@ pub(crate) fn take_input(length: usize) -> Vec<u8> {
     bytes
 }
 
-/// Returns the address of an input buffer of this length, at most 16 MiB.
+/// Returns the address of an input buffer of this length; null, and no buffer, for more than 16 MiB.
 #[unsafe(no_mangle)]
 pub extern "C" fn page_input(length: usize) -> *mut u8 {
     PAGE.with_borrow_mut(|page| {
         page.input.clear();
-        page.input.resize(length.min(MAX_INPUT_BYTES), 0);
+        if length > MAX_INPUT_BYTES {
+            return std::ptr::null_mut();
+        }
+        page.input.resize(length, 0);
         page.input.as_mut_ptr()
     })
 }

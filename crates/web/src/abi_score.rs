@@ -30,12 +30,15 @@ impl Scorer {
     }
 }
 
-/// Returns the address of an input buffer of this length, at most 2 MiB.
+/// Returns the address of an input buffer of this length; null, and no buffer, for more than 2 MiB.
 #[unsafe(no_mangle)]
 pub extern "C" fn score_input(length: usize) -> *mut u8 {
     SCORER.with_borrow_mut(|scorer| {
         scorer.input.clear();
-        scorer.input.resize(length.min(MAX_INPUT_BYTES), 0);
+        if length > MAX_INPUT_BYTES {
+            return std::ptr::null_mut();
+        }
+        scorer.input.resize(length, 0);
         scorer.input.as_mut_ptr()
     })
 }

@@ -152,20 +152,9 @@ impl PageSession {
         self.is_unseen = true;
         self.write_events(&events);
         if let Hand::Simulated(person) = &self.hand {
-            let task = self.rest_of(&person.task);
+            let typed = self.field.text().chars().count();
+            let task = rest_of(&person.task, typed.saturating_sub(self.typed_before));
             self.simulate(task);
-        }
-    }
-
-    /// Returns what is left of a task: the characters that were not typed, or the whole script.
-    fn rest_of(&self, task: &HandTask) -> HandTask {
-        match task {
-            HandTask::Text(text) => {
-                let typed = self.field.text().chars().count();
-                let typed = typed.saturating_sub(self.typed_before);
-                HandTask::Text(text.chars().skip(typed).collect())
-            }
-            other => other.clone(),
         }
     }
 
@@ -288,7 +277,13 @@ impl PageSession {
 
     /// Empties the text field.
     pub fn clear_text(&mut self) {
+        let typed = self.field.text().chars().count();
+        if let Hand::Simulated(person) = &mut self.hand {
+            let done = typed.saturating_sub(self.typed_before);
+            person.task = rest_of(&person.task, done);
+        }
         self.field = UsTextField::with_capacity(MAX_TEXT_BYTES);
+        self.typed_before = 0;
     }
 
     /// Returns the typed text.
@@ -417,6 +412,14 @@ impl PageSession {
         for side in [Side::Right, Side::Left] {
             self.pipeline.lose(Some(side), None, events);
         }
+    }
+}
+
+/// Returns what is left of a task: a text without its first characters, or the whole script.
+fn rest_of(task: &HandTask, typed: usize) -> HandTask {
+    match task {
+        HandTask::Text(text) => HandTask::Text(text.chars().skip(typed).collect()),
+        other => other.clone(),
     }
 }
 

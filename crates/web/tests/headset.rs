@@ -100,3 +100,19 @@ fn a_hand_that_the_headset_loses_releases_its_key() {
     assert_eq!((&up["event"], &up["key"]), (&json!("key-up"), &json!("H")));
     println!("released after {} ms", 10 * steps);
 }
+
+#[test]
+fn the_page_clicks_at_the_phases_in_which_a_key_goes_down_and_comes_up() {
+    let script = include_str!("../../../web/page/headset.js");
+    let mut session = session();
+    assert_eq!(session.type_text("h"), []);
+    let mut phases = Vec::new();
+    while session.hand_state() != HandState::Resting {
+        let touches = of_kind(&session.advance(PERIOD), "touches");
+        phases.extend(touches.into_iter().map(|touch| touch["phase"].clone()));
+    }
+    for phase in ["pressed", "released"] {
+        assert!(phases.contains(&json!(phase)), "{phases:?}");
+        assert!(script.contains(&format!("\"{phase}\"")), "{phase}");
+    }
+}

@@ -157,6 +157,19 @@ fn a_person_who_types_goes_on_with_the_rest_on_another_layout() {
     assert_eq!(count("key-down"), count("key-up"), "{events:?}");
 }
 
+#[test]
+fn a_person_whose_text_was_cleared_goes_on_with_the_rest_on_another_layout() {
+    let mut session = session("qwerty-flat");
+    session.type_text("hello world");
+    while session.text().len() < 4 {
+        session.advance(FRAME);
+    }
+    session.clear_text();
+    session.set_layout(&shipped("dvorak-flat"));
+    run(&mut session);
+    assert_eq!(session.text(), "o world");
+}
+
 /// Returns the point of a key of the first board in the world, and its normal.
 fn key(session: &PageSession, name: &str, scene: &Value) -> (Vec3, Vec3, f32) {
     let layout = session.layout();

@@ -38,7 +38,7 @@ def call(arguments: Sequence[str | os.PathLike[str]]) -> str:
         ProgramError: the program is missing or ends with an error.
     """
     command = [os.fspath(find_program()), *(os.fspath(argument) for argument in arguments)]
-    ended = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+    ended = subprocess.run(command, capture_output=True, encoding="utf-8", stdin=subprocess.DEVNULL, check=False)
     if ended.returncode != 0:
         raise ProgramError(ended.stderr.strip() or f"ademan ended with code {ended.returncode}")
     return ended.stdout

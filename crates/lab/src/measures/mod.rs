@@ -11,7 +11,7 @@ mod watch;
 pub use bootstrap::{Interval, bootstrap};
 pub use compare::{Comparison, Difference, HandGroup, Measure, NotComparable, compare};
 pub use pointing::{Movement, PointingResult, Ring, distance};
-pub use result_file::{CorpusHash, FORMAT, LabResult, Partial, PeopleSpec, ReadError};
+pub use result_file::{CorpusHash, FORMAT, LabResult, MAX_PEOPLE, Partial, PeopleSpec, ReadError};
 pub use score::{
     Conditions, KeyScore, PersonScore, PhraseScore, ScoreError, TaskScore, Wrong, score,
     score_decoded,

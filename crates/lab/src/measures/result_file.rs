@@ -13,6 +13,11 @@ pub const FORMAT: &str = "ademan-lab-result";
 /// The version of the format.
 const VERSION: u32 = 2;
 
+/// The most people of a run: more give no narrower interval that matters.
+pub const MAX_PEOPLE: u32 = 100_000;
+/// The most phrases of each person.
+const MAX_PHRASES: usize = u16::MAX as usize;
+
 /// The hash of phrases, in hexadecimal digits.
 pub type CorpusHash = String;
 
@@ -120,6 +125,11 @@ pub enum ReadError {
     /// The phrases do not have their hash.
     #[error("its phrases do not have the hash {0}; the file was changed")]
     OtherCorpus(String),
+    /// The run has more people or phrases than any run of the program.
+    #[error(
+        "it has more people or phrases than a run may have, {MAX_PEOPLE} and {MAX_PHRASES}; the file was changed"
+    )]
+    TooLarge,
 }
 
 /// The first fields of a file, to tell the reason why the others do not fit.
@@ -174,12 +184,16 @@ impl LabResult {
             });
         }
         let result: Self = serde_json::from_str(text).map_err(no_result)?;
-        result.check_corpus()?;
+        result.check()?;
         Ok(result)
     }
 
-    /// Checks that the phrases have their hash.
-    pub(crate) fn check_corpus(&self) -> Result<(), ReadError> {
+    /// Checks that the phrases have their hash, and that the run is not too large.
+    pub(crate) fn check(&self) -> Result<(), ReadError> {
+        let (PeopleSpec::Drawn(count) | PeopleSpec::Person { count, .. }) = &self.people;
+        if *count > MAX_PEOPLE || self.phrases > MAX_PHRASES {
+            return Err(ReadError::TooLarge);
+        }
         if Self::hash_of(&self.corpus()) == self.corpus_hash {
             Ok(())
         } else {

@@ -13,7 +13,7 @@ use std::ops::Range;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::measures::{LabResult, Partial, PersonScore, ReadError, summarize};
+use crate::measures::{LabResult, MAX_PEOPLE, Partial, PersonScore, ReadError, summarize};
 use crate::people::Participant;
 use crate::phrases::fnv;
 
@@ -123,7 +123,10 @@ impl Plan {
     pub fn from_json(text: &str, own: &str) -> Result<Self, ShardError> {
         let plan: Self = read(text, PLAN, own)?;
         for run in &plan.runs {
-            run.check_corpus()?;
+            run.check()?;
+        }
+        if plan.people > MAX_PEOPLE as usize {
+            return Err(ReadError::TooLarge.into());
         }
         let is_possible = (1..=MAX_SHARDS.min(plan.people)).contains(&plan.shards);
         if is_possible && !plan.runs.is_empty() {

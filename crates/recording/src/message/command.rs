@@ -31,6 +31,8 @@ pub fn encode_command(time: Timestamp, command: &Command, is_external: bool, out
         }
         Command::Tilt { deg } => put_nonzero_float(out, 8, *deg),
         Command::Scale { factor } => put_nonzero_float(out, 9, *factor),
+        Command::Text { mode } => put_bytes(out, 10, mode.name().as_bytes()),
+        Command::Candidate { number } => put_integer(out, 11, (*number).into()),
         _ => {}
     }
 }
@@ -38,7 +40,8 @@ pub fn encode_command(time: Timestamp, command: &Command, is_external: bool, out
 /// Decodes the message of a command. Returns `None` for one of the layout, which the readings repeat, and for one that this
 /// version does not know.
 pub fn decode_external_command(data: &[u8]) -> Result<Option<Command>, WireError> {
-    let (mut command, mut is_external, mut profile) = ("", false, "");
+    let (mut command, mut is_external) = ("", false);
+    let (mut profile, mut mode, mut candidate) = ("", "", 0);
     let mut numbers = NUMBERS.map(|(name, _)| (name, 0.0));
     for field in Fields::new(data) {
         let field = field?;
@@ -46,6 +49,8 @@ pub fn decode_external_command(data: &[u8]) -> Result<Option<Command>, WireError
             2 => command = text(field)?,
             3 => is_external = integer(field)? != 0,
             4 => profile = text(field)?,
+            10 => mode = text(field)?,
+            11 => candidate = integer(field)?,
             number => {
                 let index = NUMBERS.iter().position(|entry| entry.1 == number);
                 if let Some(index) = index {
@@ -59,10 +64,17 @@ pub fn decode_external_command(data: &[u8]) -> Result<Option<Command>, WireError
     };
     let mut fields = Map::from_iter([("command".to_owned(), command.into())]);
     for field in spec.fields {
-        let number = numbers.iter().find(|(name, _)| *name == field.name);
-        let value = number.map_or(Value::from(profile), |(_, number)| Value::from(*number));
+        let value = match field.name {
+            "name" => Value::from(profile),
+            "mode" => Value::from(mode),
+            "number" => Value::from(candidate),
+            other => {
+                let number = numbers.iter().find(|(name, _)| *name == other);
+                number.map_or(Value::Null, |(_, number)| Value::from(*number))
+            }
+        };
         fields.insert(field.name.to_owned(), value);
     }
     let known = serde_json::from_value(Value::Object(fields)).ok();
-    Ok(known.filter(|candidate: &Command| is_external && candidate.check().is_ok()))
+    Ok(known.filter(|found: &Command| is_external && found.check().is_ok()))
 }

@@ -139,6 +139,9 @@ fn commands_from_outside_are_decoded_and_others_are_not() {
         "tilt -2.5",
         "scale 0.9",
         "profile numbers",
+        "text literal",
+        "text auto",
+        "candidate 2",
         "zero",
     ] {
         let command = text.parse().unwrap();
@@ -159,6 +162,8 @@ fn commands_from_outside_are_decoded_and_others_are_not() {
     assert_eq!(message("tilt", 91.0), Ok(None), "out of range");
     assert_eq!(message("tilt", f32::NAN), Ok(None), "no number");
     assert_eq!(message("dance", 0.0), Ok(None), "of a later version");
+    assert_eq!(message("text", 0.0), Ok(None), "without its mode");
+    assert_eq!(message("candidate", 0.0), Ok(None), "without its number");
 }
 
 /// Returns the names and numbers of the fields of a message, or of the values of an enum.

@@ -51,6 +51,8 @@ pub struct Osc {
     signals: Signals,
     /// The messages, in the order of the signals.
     messages: Vec<SignalMessages>,
+    /// The messages of earlier signals that could not be sent, whose addresses no present signal has.
+    ended: Vec<Message>,
     /// `true` if a message could not be sent.
     has_due: bool,
     dropped_presses: u64,
@@ -95,6 +97,7 @@ impl Osc {
                         socket,
                         signals: Signals::default(),
                         messages: Vec::new(),
+                        ended: Vec::new(),
                         has_due: false,
                         dropped_presses: 0,
                     });
@@ -126,11 +129,13 @@ impl Osc {
     fn send_due(&mut self) -> bool {
         if self.has_due {
             let mut is_sent = true;
-            for message in self.messages.iter_mut().flat_map(SignalMessages::all) {
+            let present = self.messages.iter_mut().flat_map(SignalMessages::all);
+            for message in self.ended.iter_mut().chain(present) {
                 is_sent &= message
                     .due
                     .is_none_or(|due| message.send(&self.socket, due));
             }
+            self.ended.retain(|message| message.due.is_some());
             self.has_due = !is_sent;
         }
         !self.has_due
@@ -177,6 +182,12 @@ impl SignalMessages {
 }
 
 impl Message {
+    /// Returns the part of the datagram before the number.
+    fn address(&self) -> &[u8] {
+        let (address, _) = self.datagram.split_at(self.datagram.len() - 4);
+        address
+    }
+
     /// Sends a value, or keeps it. Returns `true` if it was sent.
     fn send(&mut self, socket: &UdpSocket, value: f32) -> bool {
         let (low, high) = self.range;
@@ -222,12 +233,21 @@ impl Sink for Osc {
     fn set_signals(&mut self, signals: &Signals) {
         self.release_all();
         self.send_due();
+        let earlier = std::mem::take(&mut self.messages).into_iter();
+        let earlier = earlier.flat_map(|it| [it.value, it.depth]).flatten();
+        self.ended
+            .extend(earlier.filter(|message| message.due.is_some()));
         self.messages = signals
             .iter()
             .map(|(_, signal)| SignalMessages::new(signal))
             .collect();
+        for message in self.messages.iter_mut().flat_map(SignalMessages::all) {
+            let same = |other: &Message| other.address() == message.address();
+            if let Some(index) = self.ended.iter().position(same) {
+                message.due = self.ended.swap_remove(index).due;
+            }
+        }
         self.signals = signals.clone();
-        self.has_due = false;
     }
 
     fn void_presses(&mut self) {
@@ -380,6 +400,31 @@ mod tests {
             .unwrap();
         assert_eq!(received(&receiver), [("/key".to_owned(), 0.0)]);
         assert_eq!(sink.dropped_presses(), 1);
+    }
+
+    #[test]
+    fn a_release_that_cannot_be_sent_when_the_layout_changes_is_sent_later() {
+        for is_same_layout in [false, true] {
+            let (mut sink, receiver) = sink();
+            let key = TargetId(0);
+            let press = [event(1, EventKind::Velocity(key, 1.0))];
+            sink.send(&press).unwrap();
+            received(&receiver);
+            let later = if is_same_layout {
+                sink.signals.clone()
+            } else {
+                Signals::default()
+            };
+            let unconnected = UdpSocket::bind("127.0.0.1:0").unwrap();
+            let connected = std::mem::replace(&mut sink.socket, unconnected);
+            sink.set_signals(&later);
+            sink.socket = connected;
+            sink.send(&press).unwrap();
+            let mut expected = vec![("/key".to_owned(), 0.0)];
+            expected.extend(is_same_layout.then(|| ("/key".to_owned(), 1.0)));
+            assert_eq!(received(&receiver), expected);
+            assert!(!sink.has_due);
+        }
     }
 
     #[test]

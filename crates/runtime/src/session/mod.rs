@@ -57,7 +57,7 @@ use self::focus::FocusWatch;
 use self::haptics::SessionHaptics;
 use self::notice::NoticeThread;
 use self::observer::Observer;
-use self::panic_keys::PanicKeysError;
+use self::panic_keys::{PanicKeysError, PanicKeysWatch};
 use self::recordings::Recordings;
 use self::reload::{FilePolicy, LayoutReport, LayoutSource};
 use self::snapshots::SnapshotSender;
@@ -159,6 +159,8 @@ pub struct Session {
     share: ShareHub,
     /// Ends its thread when it is dropped.
     _focus: Option<FocusWatch>,
+    /// Ends its thread when it is dropped.
+    _panic_keys: Option<PanicKeysWatch>,
 }
 
 impl Session {
@@ -187,11 +189,13 @@ impl Session {
             .as_deref()
             .map(ControlServer::bind)
             .transpose()?;
+        let mut panic_keys = None;
         if options.use_panic_keys {
             let keys = panic_keys::parse_keys(&setup.setup.panic_keys)?;
             let pause_commands = command_sender.with_origin(CommandOrigin::PanicKeys);
             // A full queue means that the loop stands still; then the watchdog releases everything.
-            panic_keys::watch(&keys, move || _ = pause_commands.send(Command::Pause))?;
+            let pause = move || _ = pause_commands.send(Command::Pause);
+            panic_keys = Some(panic_keys::watch(&keys, pause)?);
         }
         let layout = Arc::new(setup.layout.clone());
         let rule = ActiveRule::new(&setup.setup.profiles_by_application);
@@ -233,6 +237,7 @@ impl Session {
             control,
             share,
             _focus: focus,
+            _panic_keys: panic_keys,
         };
         SessionHandle::spawn(session, command_sender, snapshot_receiver, hub, sensors)
     }

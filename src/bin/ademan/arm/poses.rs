@@ -96,15 +96,22 @@ pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
     }
     let mut found = Vec::new();
     for number in 1.. {
-        let mut line = String::new();
-        let read = (&mut reader).take(MAX_LINE_BYTES).read_line(&mut line);
+        let mut bytes = Vec::new();
+        let read = (&mut reader)
+            .take(MAX_LINE_BYTES)
+            .read_until(b'\n', &mut bytes);
         match read.map_err(|error| cannot_read(error.to_string()))? {
             0 => break,
+            // The limit may cut a character.
             length if length as u64 == MAX_LINE_BYTES => {
                 return Err(cannot_read(format!("line {number} is longer than 64 KiB")));
             }
-            _ if line.trim().is_empty() => {}
-            _ => found.push((number, line)),
+            _ => {}
+        }
+        let line = String::from_utf8(bytes);
+        let line = line.map_err(|_| cannot_read(format!("line {number} is no text in UTF-8")))?;
+        if !line.trim().is_empty() {
+            found.push((number, line));
         }
     }
     Ok(found)
@@ -240,4 +247,19 @@ pub fn landmark_line(pose: &HalfPose, time_us: Option<u64>) -> String {
         line["time_us"] = time_us.into();
     }
     line.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_that_is_too_long_is_named_also_if_the_limit_cuts_a_character() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("poses.csv");
+        let before = "0".repeat(MAX_LINE_BYTES as usize - 1);
+        std::fs::write(&path, before + "é").unwrap();
+        let error = lines(&path).unwrap_err().to_string();
+        assert!(error.ends_with("line 1 is longer than 64 KiB"), "{error}");
+    }
 }

@@ -175,15 +175,20 @@ impl Dots {
     fn set(&mut self, x: u16, y: u16) {
         let (column, row) = (x / 2, y / 4);
         if column < self.columns && row < self.rows {
-            let cell = usize::from(row) * usize::from(self.columns) + usize::from(column);
+            let cell = self.cell(column, row);
             self.cells[cell] |= BITS[usize::from(y % 4)][usize::from(x % 2)];
         }
+    }
+
+    /// Returns the index of a character.
+    fn cell(&self, column: u16, row: u16) -> usize {
+        usize::from(row) * usize::from(self.columns) + usize::from(column)
     }
 
     fn write(&self, buffer: &mut Buffer, area: Rect) {
         for row in 0..self.rows {
             for column in 0..self.columns {
-                let bits = self.cells[usize::from(row * self.columns + column)];
+                let bits = self.cells[self.cell(column, row)];
                 if bits != 0 {
                     let character = char::from_u32(0x2800 + u32::from(bits)).unwrap_or(' ');
                     buffer[(area.x + column, area.y + row)].set_char(character);
@@ -211,6 +216,17 @@ mod tests {
             cells.collect::<String>().trim_end().to_owned()
         });
         lines.collect::<Vec<_>>().join("\n")
+    }
+
+    #[test]
+    fn a_picture_of_more_characters_than_a_u16_counts_is_drawn() {
+        let area = Rect::new(0, 0, 600, 200);
+        let mut buffer = Buffer::empty(area);
+        let mut dots = Dots::new(area.width, area.height);
+        dots.set(2 * 599, 4 * 199);
+        dots.write(&mut buffer, area);
+        assert_eq!(buffer[(599, 199)].symbol(), "⠁");
+        assert_eq!(buffer[(0, 0)].symbol(), " ");
     }
 
     /// The palm is down again in the flat pose; the step exists for the forearm.

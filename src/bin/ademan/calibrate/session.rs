@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use ademan::calibrate::{
-    CalibrationError, CalibrationPose, CaptureState, Procedure, ProcedureState,
+    CalibrationError, CalibrationPose, CaptureState, PoseMark, Procedure, ProcedureState,
 };
 use ademan::capture::Channels;
 use ademan::estimate::ChannelMap;
@@ -26,6 +26,9 @@ const PICTURE_PERIOD: Duration = Duration::from_millis(34);
 
 /// The readings of a session: the times and the counts of all channels.
 pub type Readings = Vec<(Timestamp, Channels)>;
+
+/// Readings that are kept, some 60 MB: a person may leave the glove for hours before a pose.
+const MAX_READINGS: usize = 400_000;
 
 /// The end of a session.
 pub enum Outcome {
@@ -170,6 +173,10 @@ impl<'a> Session<'a> {
                 self.check_shape(&channels)?;
                 self.message.clear();
                 let state = self.procedure.push(time, &channels);
+                if self.readings.len() >= MAX_READINGS {
+                    let marks = self.procedure.marks();
+                    forget_waiting(&mut self.readings, marks, MAX_READINGS / 2);
+                }
                 self.readings.push((time, *channels));
                 match state {
                     ProcedureState::Pose(_, state) => self.state = state,
@@ -210,6 +217,16 @@ impl<'a> Session<'a> {
     }
 }
 
+/// Removes the readings that belong to no pose, but the latest ones.
+fn forget_waiting(readings: &mut Readings, marks: &[PoseMark], latest: usize) {
+    let mut older = readings.len().saturating_sub(latest);
+    readings.retain(|(time, _)| {
+        let is_late = older == 0;
+        older = older.saturating_sub(1);
+        is_late || marks.iter().any(|it| (it.start..=it.end).contains(time))
+    });
+}
+
 fn new_screen() -> io::Result<Terminal<CrosstermBackend<Output>>> {
     Terminal::new(CrosstermBackend::new(Output::open()?))
 }
@@ -217,4 +234,28 @@ fn new_screen() -> io::Result<Terminal<CrosstermBackend<Output>>> {
 /// Returns `true` if the session is shown on a terminal, which needs keys too.
 pub fn is_on_terminal() -> bool {
     view::is_possible() && io::stdin().is_terminal()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn readings_of_a_pose_stay_and_those_before_it_are_forgotten() {
+        let channels = || Channels {
+            full_scale: 255,
+            counts: Default::default(),
+            unsent: Default::default(),
+        };
+        let all = (0..10).map(|time| (Timestamp(time), channels()));
+        let mut readings: Readings = all.collect();
+        let mark = PoseMark {
+            pose: CalibrationPose::Flat,
+            start: Timestamp(2),
+            end: Timestamp(3),
+        };
+        forget_waiting(&mut readings, &[mark], 4);
+        let times: Vec<u64> = readings.iter().map(|(time, _)| time.0).collect();
+        assert_eq!(times, [2, 3, 6, 7, 8, 9]);
+    }
 }

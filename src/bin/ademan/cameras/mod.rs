@@ -354,11 +354,12 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     let cannot_read =
         |reason: String| Failure::wrong_use(format!("cannot read {}: {reason}", escape_path(path)));
     let file = files::open_regular(path).map_err(|error| cannot_read(error.to_string()))?;
-    let mut text = String::new();
-    let read = file.take(MAX_BYTES).read_to_string(&mut text);
+    let mut bytes = Vec::new();
+    let read = file.take(MAX_BYTES).read_to_end(&mut bytes);
     match read.map_err(|error| cannot_read(error.to_string()))? as u64 {
+        // The limit may cut a character.
         MAX_BYTES => Err(cannot_read("it is longer than 1 MiB".to_owned())),
-        _ => Ok(text),
+        _ => String::from_utf8(bytes).map_err(|_| cannot_read("it is no text in UTF-8".to_owned())),
     }
 }
 
@@ -381,4 +382,19 @@ fn length(text: &str) -> Result<f64, String> {
 fn size(text: &str) -> Result<DVec2, String> {
     let size = poses::image_size(text)?;
     Ok(DVec2::new(size.width, size.height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_too_long_is_named_also_if_the_limit_cuts_a_character() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cameras.ron");
+        let before = "/".repeat(MAX_BYTES as usize - 1);
+        std::fs::write(&path, before + "é").unwrap();
+        let error = read_text(&path).unwrap_err().to_string();
+        assert!(error.ends_with("it is longer than 1 MiB"), "{error}");
+    }
 }

@@ -11,8 +11,8 @@ use ademan::document::{Document, FileKind};
 use ademan::files::OpenDocument;
 use ademan::layout::Person;
 use ademan::measures::{
-    Conditions, FORMAT, LabResult, PeopleSpec, PersonScore, ScoreError, score, score_decoded,
-    summarize,
+    Conditions, FORMAT, LabResult, MAX_PEOPLE, PeopleSpec, PersonScore, ScoreError, score,
+    score_decoded, summarize,
 };
 use ademan::message::escape;
 use ademan::people::{Participant, People, Tier, population};
@@ -28,8 +28,6 @@ use crate::{complete, signals};
 
 /// The people of the general population by default.
 const PEOPLE: u32 = 20;
-/// The most people: more give no narrower interval that matters.
-const MAX_PEOPLE: i64 = 100_000;
 
 /// The difference between the seeds of held-out people and of the others.
 const HELD_OUT: u64 = 0x4e1d_0075;
@@ -42,7 +40,7 @@ pub struct ConditionArgs {
     #[arg(long, value_name = "FILE", add = complete::person())]
     person: Option<String>,
     /// Number of people; of repetitions with --person, 1 by default
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_PEOPLE))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PEOPLE)))]
     people: Option<u32>,
     /// Sensor of the hands: ideal, camera or glove
     #[arg(long, value_name = "SOURCE", default_value = "ideal", value_parser = source())]

@@ -5,7 +5,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::thread;
 
-use ademan::message::escape;
+use ademan::message::{escape, shell_word};
 use ademan::network::check_listen_address;
 use ademan::session::control_socket::Client;
 use clap::{Command, FromArgMatches};
@@ -121,13 +121,14 @@ fn show(link: &str) {
 
 /// Asks the person at the terminal to allow keys, and waits for the answer on a thread of its own.
 fn ask_for_consent(control: Option<PathBuf>) {
-    if !io::stdin().is_terminal() {
-        say!("the headset only points; `ademan ctl allow-keys` lets it press keys");
+    let is_asked = io::stdin().is_terminal();
+    say!(
+        "the headset only points{}",
+        remedy(control.as_deref(), is_asked)
+    );
+    if !is_asked || is_off(control.as_deref()) {
         return;
     }
-    say!(
-        "the headset only points; type `{CONSENT}` and Enter to let it press keys, or `ademan ctl allow-keys`"
-    );
     let listen = move || {
         for line in io::stdin().lock().lines().map_while(Result::ok) {
             if line.trim() == CONSENT {
@@ -141,6 +142,28 @@ fn ask_for_consent(control: Option<PathBuf>) {
     let _ = thread::Builder::new().name("consent".into()).spawn(listen);
 }
 
+/// Returns the end of a sentence: the ways to let the headset press keys.
+fn remedy(control: Option<&Path>, is_asked: bool) -> String {
+    if is_off(control) {
+        return ", as no command reaches the session; leave out `--control off` to let it press keys"
+            .to_owned();
+    }
+    let socket = control.map_or(String::new(), |path| {
+        format!("--socket {} ", shell_word(&path.to_string_lossy()))
+    });
+    let command = format!("`ademan ctl {socket}allow-keys`");
+    if is_asked {
+        format!("; type `{CONSENT}` and Enter to let it press keys, or {command}")
+    } else {
+        format!("; {command} lets it press keys")
+    }
+}
+
+/// Returns `true` if the session has no control socket.
+fn is_off(control: Option<&Path>) -> bool {
+    control == Some(Path::new("off"))
+}
+
 fn allow_keys(control: Option<PathBuf>) -> Result<(), String> {
     let path = ctl::socket_path(control).map_err(|failure| failure.to_string())?;
     let mut client = Client::connect(&path).map_err(|error| error.to_string())?;
@@ -149,5 +172,21 @@ fn allow_keys(control: Option<PathBuf>) -> Result<(), String> {
     match serde_json::from_str::<serde_json::Value>(&reply) {
         Ok(reply) if reply["ok"] == true => Ok(()),
         _ => Err(reply),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_to_press_keys_is_one_that_the_control_socket_permits() {
+        let words = |control: Option<&str>| remedy(control.map(Path::new), true);
+        assert!(words(None).ends_with("or `ademan ctl allow-keys`"));
+        let named = words(Some("/tmp/sofa.sock"));
+        assert!(named.ends_with("`ademan ctl --socket /tmp/sofa.sock allow-keys`"));
+        let off = words(Some("off"));
+        assert!(off.contains("leave out `--control off`"), "{off}");
+        assert!(!off.contains(CONSENT), "{off}");
     }
 }

@@ -97,7 +97,7 @@ fn hold(
         return None;
     }
     let (squares, degrees) = jitter(&times[range.clone()], &counts[range.clone()]);
-    let middle = (times[range.start].0 + times[range.end - 1].0) as f64 / 2.0;
+    let middle = times[range.start].0.midpoint(times[range.end - 1].0) as f64;
     Some(Hold {
         minute: middle / 60e6,
         mean: smooth[range.clone()].iter().sum::<f64>() / range.len() as f64,

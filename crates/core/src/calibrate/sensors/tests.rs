@@ -200,3 +200,19 @@ fn late_readings_and_those_of_another_converter_are_ignored() {
     assert_eq!((recording.readings(), recording.ignored()), (readings, 2));
     assert_eq!(recording.parameters(), before);
 }
+
+#[test]
+fn a_hold_at_the_end_of_all_times_is_a_hold() {
+    let mut recording = SensorRecording::new(Some(vec![0]));
+    let channels = Channels {
+        full_scale: 4_095,
+        counts: [800].into_iter().collect(),
+        unsent: Default::default(),
+    };
+    for before_end in (0..HOLD).rev() {
+        let time = Timestamp(u64::MAX - before_end * PERIOD_US);
+        recording.push(time, &channels);
+    }
+    let found = recording.parameters().remove(0);
+    assert_close(found.jitter.unwrap(), 0.0, 0.1);
+}

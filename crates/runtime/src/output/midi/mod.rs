@@ -133,7 +133,8 @@ impl Sink for Midi {
 
     fn set_signals(&mut self, signals: &Signals) {
         self.notes.end_all();
-        let _ = self.send_due(MOTION_LIMIT);
+        // No note sounds that would need the rest of the queue for its end, and what waits is lost.
+        let _ = self.send_due(QUEUE);
         self.notes.set_signals(signals);
     }
 

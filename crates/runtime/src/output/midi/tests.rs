@@ -200,6 +200,29 @@ fn a_device_that_does_not_read_delays_no_step_and_loses_no_end_of_a_note() {
 }
 
 #[test]
+fn a_controller_of_a_key_returns_with_the_layout_also_while_the_device_does_not_read() {
+    let (gate, opened) = crossbeam_channel::bounded::<()>(0);
+    let written = Written::default();
+    let log = Arc::clone(&written);
+    let writer = move |message: &[u8]| {
+        let _ = opened.recv();
+        log.lock().unwrap().push(message.to_vec());
+        Ok(())
+    };
+    let mut sink = Midi::start(Box::new(writer)).unwrap();
+    sink.set_signals(&signals());
+    for step in 0..1000 {
+        let depth = (step % 100 + 1) as f32 / 101.0;
+        sink.send(&[event(1, Depth(PEDAL, depth))]).unwrap();
+    }
+    sink.set_signals(&Signals::default());
+    drop(gate);
+    sink.close().unwrap();
+    let last = written.lock().unwrap().pop();
+    assert_eq!(last.as_deref(), Some(&[0xb0, 11, 0][..]));
+}
+
+#[test]
 fn a_device_that_is_gone_is_reported() {
     let gone = |_: &[u8]| Err(io::Error::from(io::ErrorKind::BrokenPipe));
     let mut sink = Midi::start(Box::new(gone)).unwrap();

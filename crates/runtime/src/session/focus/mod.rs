@@ -14,6 +14,7 @@ use unsupported as platform;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 use std::time::Duration;
 
 use super::command_channel::CommandSender;
@@ -25,6 +26,9 @@ use ademan_core::pipeline::MAIN_PROFILE;
 
 /// Stands for no rule in [`ActiveRule`].
 const NO_RULE: usize = usize::MAX;
+
+/// Time until a command that found the queue full is sent again.
+const RETRY_DELAY: Duration = Duration::from_millis(50);
 
 /// The rules of a setup, and the index of the rule that holds, for readers on other threads.
 #[derive(Clone, Debug)]
@@ -100,16 +104,22 @@ pub(super) fn watch(
     };
     let follow = move |names: &[String]| match rule.update(names) {
         None => true,
-        // At most one command waits for a loop that waits for its source.
-        Some(name) => {
-            let command = Command::Profile { name };
-            !matches!(
-                commands.request_with_timeout(command, Duration::MAX),
-                Err(RequestError::Ended)
-            )
-        }
+        Some(name) => activate(&commands, name),
     };
     platform::watch(follow, report).map(|cancel| Some(FocusWatch(cancel)))
+}
+
+/// Activates a profile, as soon as the queue has room. Returns `false` if the session has ended.
+fn activate(commands: &CommandSender, name: ProfileName) -> bool {
+    let command = Command::Profile { name };
+    loop {
+        // At most one command waits for a loop that waits for its source.
+        match commands.request_with_timeout(command, Duration::MAX) {
+            Err(RequestError::QueueFull) => thread::sleep(RETRY_DELAY),
+            Err(RequestError::Ended) => return false,
+            _ => return true,
+        }
+    }
 }
 
 /// Connects to the desktop for a moment. Returns its name and, if there is one, the rule for the application that has the focus.
@@ -126,6 +136,10 @@ pub(crate) fn probe(
 
 #[cfg(test)]
 mod tests {
+    use std::time::Instant;
+
+    use super::super::command_channel::{Message, command_channel};
+    use super::super::reply::Reply;
     use super::*;
 
     fn rules() -> ActiveRule {
@@ -155,5 +169,28 @@ mod tests {
         assert_eq!(update(&rule, &["firefox"]).as_deref(), Some(MAIN_PROFILE));
         assert_eq!(rule.application(), None);
         assert_eq!(update(&rule, &["thunderbird"]), None, "no rule as before");
+    }
+
+    #[test]
+    fn a_profile_that_finds_the_queue_full_is_asked_for_again() {
+        let (sender, receiver) = command_channel();
+        while sender.send(Command::Resume).is_ok() {}
+        let name = ProfileName::from("code").unwrap();
+        let session = thread::spawn(move || {
+            thread::sleep(2 * RETRY_DELAY);
+            let deadline = Instant::now() + Duration::from_secs(10);
+            while Instant::now() < deadline {
+                if let Some(Message::Command(queued)) = receiver.try_next()
+                    && queued.command == (Command::Profile { name })
+                {
+                    return queued
+                        .reply
+                        .is_some_and(|it| it.send(Ok(Reply::Done)).is_ok());
+                }
+            }
+            false
+        });
+        assert!(activate(&sender, name));
+        assert!(session.join().unwrap(), "no profile was asked for");
     }
 }

@@ -1,7 +1,7 @@
 //! The keyboards of a Linux machine: `/dev/input/event*`.
 
 use std::fs;
-use std::io;
+use std::io::{self, PipeReader, PipeWriter};
 use std::mem::MaybeUninit;
 use std::os::fd::{AsFd, OwnedFd};
 use std::path::{Path, PathBuf};
@@ -27,25 +27,35 @@ const NODE_EVENTS: WatchFlags = WatchFlags::CREATE
     .union(WatchFlags::ATTRIB)
     .union(WatchFlags::MOVED_TO);
 
+/// Ends the thread when it is dropped.
+pub(super) type Cancel = PipeWriter;
+
 /// Checks that the keyboards can be watched.
 pub(super) fn check(keys: &[KeyCode]) -> Result<(), String> {
     open(keys).map(drop)
 }
 
-/// Watches the keyboards on a thread of its own until the program ends.
-pub(super) fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<(), String> {
-    let mut monitor = open(keys)?;
+/// Watches the keyboards on a thread of its own until the result is dropped.
+pub(super) fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<Cancel, String> {
+    follow(open(keys)?, stop).map_err(|error| error.to_string())
+}
+
+fn follow(mut monitor: KeyboardMonitor, stop: impl Fn() + Send + 'static) -> io::Result<Cancel> {
+    let (cancelled, cancel) = io::pipe()?;
     let run = move || {
         // An emergency stop does not wait for other programs.
         priority::raise_thread_priority();
-        while monitor.wait(&stop).is_ok() {}
+        while let Ok(is_watching) = monitor.wait(&cancelled, &stop) {
+            if !is_watching {
+                return;
+            }
+        }
         tracing::error!("panic_keys: the keyboards can no longer be watched");
     };
-    let thread = thread::Builder::new().name("panic keys".into());
-    thread
-        .spawn(run)
-        .map(drop)
-        .map_err(|error| error.to_string())
+    thread::Builder::new()
+        .name("panic keys".into())
+        .spawn(run)?;
+    Ok(cancel)
 }
 
 /// Opens the keyboards that have these keys.
@@ -130,13 +140,14 @@ impl KeyboardMonitor {
         });
     }
 
-    /// Waits for events of keyboards or nodes, and handles them.
-    fn wait(&mut self, stop: &impl Fn()) -> Result<(), Errno> {
+    /// Waits for events of keyboards or nodes, and handles them. Returns `false` once the watch is cancelled.
+    fn wait(&mut self, cancelled: &PipeReader, stop: &impl Fn()) -> Result<bool, Errno> {
         let devices = self
             .keyboards
             .iter()
             .map(|keyboard| keyboard.device.as_fd());
-        let mut poll_fds: Vec<_> = std::iter::once(self.inotify.as_fd())
+        let mut poll_fds: Vec<_> = [cancelled.as_fd(), self.inotify.as_fd()]
+            .into_iter()
             .chain(devices)
             .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
             .collect();
@@ -145,8 +156,11 @@ impl KeyboardMonitor {
             Err(error) => return Err(error),
         }
         let is_ready = |fd: &PollFd| !fd.revents().is_empty();
-        let has_new_node = is_ready(&poll_fds[0]);
-        let ready: Vec<_> = poll_fds[1..].iter().map(is_ready).collect();
+        if is_ready(&poll_fds[0]) {
+            return Ok(false);
+        }
+        let has_new_node = is_ready(&poll_fds[1]);
+        let ready: Vec<_> = poll_fds[2..].iter().map(is_ready).collect();
         drop(poll_fds);
         let mut index = 0;
         let mut is_complete = false;
@@ -165,7 +179,7 @@ impl KeyboardMonitor {
             self.discard_node_events();
             self.open_new();
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Reads the events of a keyboard. Returns `true` if it is still connected.
@@ -197,4 +211,28 @@ impl KeyboardMonitor {
 fn is_node(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str());
     name.is_some_and(|name| name.starts_with("event"))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{self, RecvTimeoutError, TryRecvError};
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn the_thread_ends_with_the_watch() {
+        let monitor = KeyboardMonitor {
+            combination: KeyCombination::new(&[]),
+            inotify: inotify::init(CreateFlags::CLOEXEC | CreateFlags::NONBLOCK).unwrap(),
+            keyboards: Vec::new(),
+            next_id: 0,
+        };
+        let (pressed, presses) = mpsc::channel();
+        let watch = follow(monitor, move || _ = pressed.send(())).unwrap();
+        assert_eq!(presses.try_recv(), Err(TryRecvError::Empty));
+        drop(watch);
+        let ended = presses.recv_timeout(Duration::from_secs(10));
+        assert_eq!(ended, Err(RecvTimeoutError::Disconnected));
+    }
 }

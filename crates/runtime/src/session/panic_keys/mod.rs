@@ -51,20 +51,29 @@ pub fn check(keys: &[KeyCode]) -> Result<(), PanicKeysError> {
     }
 }
 
-/// Calls `stop` whenever all `keys` are pressed on the keyboards of this machine, on one or on several, until the program
-/// ends. `stop` must not block.
+/// A thread that watches the keyboards, if there are panic keys. It ends when this is dropped.
+#[derive(Debug)]
+pub struct PanicKeysWatch(
+    #[allow(dead_code, reason = "its end is the signal")] Option<platform::Cancel>,
+);
+
+/// Calls `stop` whenever all `keys` are pressed on the keyboards of this machine, on one or on several, until the result is
+/// dropped. `stop` must not block.
 ///
 /// Keyboards that are connected later are included; those that this program creates are not. Other keys are ignored, and
-/// no key is stored. Without keys the function does nothing.
+/// no key is stored. Without keys there is no thread.
 ///
 /// # Errors
 /// If no keyboard can be read: a user who relies on panic keys has to know that they do not work.
-pub fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<(), PanicKeysError> {
+pub fn watch(
+    keys: &[KeyCode],
+    stop: impl Fn() + Send + 'static,
+) -> Result<PanicKeysWatch, PanicKeysError> {
     if keys.is_empty() {
-        Ok(())
-    } else {
-        platform::watch(keys, stop).map_err(PanicKeysError::NoKeyboard)
+        return Ok(PanicKeysWatch(None));
     }
+    let cancel = platform::watch(keys, stop).map_err(PanicKeysError::NoKeyboard)?;
+    Ok(PanicKeysWatch(Some(cancel)))
 }
 
 #[cfg(test)]

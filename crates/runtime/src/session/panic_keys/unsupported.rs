@@ -1,6 +1,11 @@
 //! Stand-in for systems on which other keyboards cannot be read.
 
+use std::convert::Infallible;
+
 use ademan_core::device::KeyCode;
+
+/// There is nothing to cancel.
+pub(super) type Cancel = Infallible;
 
 /// Fails.
 pub(super) fn check(_: &[KeyCode]) -> Result<(), String> {
@@ -8,6 +13,6 @@ pub(super) fn check(_: &[KeyCode]) -> Result<(), String> {
 }
 
 /// Fails.
-pub(super) fn watch(_: &[KeyCode], _: impl Fn() + Send + 'static) -> Result<(), String> {
+pub(super) fn watch(_: &[KeyCode], _: impl Fn() + Send + 'static) -> Result<Cancel, String> {
     Err("not supported on this system".into())
 }

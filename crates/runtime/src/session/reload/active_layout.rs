@@ -106,9 +106,12 @@ impl ActiveLayout {
         }
     }
 
-    /// Returns `true` if the file still has the content that was activated last, and notes that it can be used.
+    /// Returns `true` if the file still has the content that is active, and notes that it can be used. While an edited text of it is
+    /// tried, the content of the file is not active.
     pub fn accept_active(&mut self, found: &Layout) -> bool {
-        let active = self.file.as_mut().filter(|file| file.text() == found.text);
+        let is_trial = self.is_trial;
+        let active = self.file.as_mut();
+        let active = active.filter(|file| !is_trial && file.text() == found.text);
         match active {
             Some(file) => {
                 file.set_active_text(&found.text);
@@ -218,7 +221,7 @@ mod tests {
     use super::*;
     use crate::files::Load;
     use crate::session::layout_link::LayoutOperation;
-    use crate::session::reload::test_loop::TestLoop;
+    use crate::session::reload::test_loop::{TIMEOUT, TestLoop};
     use std::time::Duration;
     use std::{fs, thread};
 
@@ -333,5 +336,20 @@ mod tests {
         session.request(LayoutOperation::Reload).unwrap();
         assert_eq!(session.activated.len(), 2);
         assert!(session.request(save_at(0.1)).is_ok());
+    }
+
+    #[test]
+    fn a_file_that_is_valid_again_is_used_in_place_of_a_text_that_is_tried() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.ron");
+        fs::write(&path, TEXT).unwrap();
+        let session = session(Some(&path));
+        let report = || session.reports.recv_timeout(TIMEOUT).unwrap();
+        assert_eq!(session.try_text(&TEXT.replace("\"A\"", "\"B\"")), Ok(()));
+        fs::write(&path, "no layout").unwrap();
+        assert!(matches!(report(), LayoutReport::Invalid(_)));
+        fs::write(&path, TEXT).unwrap();
+        assert!(matches!(report(), LayoutReport::Activated(layout) if layout.text == TEXT));
+        assert_eq!(session.activated.len(), 2);
     }
 }
