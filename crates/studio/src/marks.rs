@@ -5,13 +5,11 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 
 use parry3d::math::Vec2;
 
+use super::fonts::CAPITAL_HEIGHT;
 use super::picture::{Color, Label, Picture, with_known_signs};
 use super::scene::SceneColors;
 use ademan_core::contact::TargetId;
 use ademan_core::layout::{FrontMark, Layout, MarkRole, MarkShape};
-
-/// Height of a capital letter as a fraction of the height of its font.
-const CAPITAL_HEIGHT: f32 = 0.72;
 
 /// The smallest label that can be read, in points.
 const MIN_LABEL_PT: f32 = 5.0;
