@@ -121,15 +121,22 @@ fn follow_mouse(
         .projection(Vec2::new(area.width(), area.height()));
     let is_free = response.contains_pointer() || aim.has_button();
     let mouse = ui.input(|input| {
-        let at = input.pointer.latest_pos();
+        let pointer = &input.pointer;
+        let is_down = pointer.primary_down();
+        // A touch that ends takes the pointer away with it; one that is cancelled does not release it.
+        let at = if is_down {
+            pointer.latest_pos()
+        } else {
+            pointer.interact_pos()
+        };
         let at = at.filter(|at| is_free && input.focused && area.contains(*at));
         Mouse {
             ray: at.map(|at| {
                 let on_picture = at - area.min;
                 projection.ray(Vec2::new(on_picture.x, on_picture.y))
             }),
-            is_pressed: input.pointer.primary_pressed() && input.modifiers.is_none(),
-            is_down: input.pointer.primary_down(),
+            is_pressed: pointer.primary_pressed() && input.modifiers.is_none(),
+            is_down,
         }
     });
     if aim.follow(context.model, mouse) {
