@@ -12,7 +12,8 @@
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`attached`], [`fingertip`], [`first_start`], [`camera`], [`scene`], [`sensors`],
 //! [`glove_editor`], [`guide`], [`headset`], [`history`], [`lab`], [`overlay`], [`pace`], [`plot`], [`sound`], [`tour`], [`typing`],
-//! [`settings`], [`setup_change`], [`simulated`]. Only `app`, the window of the overlay and the files of `panels` name egui.
+//! [`settings`], [`setup_change`], [`simulated`]. Only `app`, `fonts`, the window of the overlay and the files of
+//! `panels` name egui.
 //!
 //! # Adding a panel
 //!
@@ -27,10 +28,12 @@ pub mod attached;
 mod error;
 pub mod camera;
 pub mod canvas;
+mod disk_search;
 pub mod editor;
 pub mod filter_trace;
 pub mod fingertip;
 pub mod first_start;
+mod fonts;
 pub mod glove_editor;
 pub mod glove_file;
 mod graphics;

@@ -5,13 +5,12 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 
 use parry3d::math::Vec2;
 
+use super::fonts::CAPITAL_HEIGHT;
 use super::picture::{Color, Label, Picture, with_known_signs};
 use super::scene::SceneColors;
+use super::texts::text_with;
 use ademan_core::contact::TargetId;
 use ademan_core::layout::{FrontMark, Layout, MarkRole, MarkShape};
-
-/// Height of a capital letter as a fraction of the height of its font.
-const CAPITAL_HEIGHT: f32 = 0.72;
 
 /// The smallest label that can be read, in points.
 const MIN_LABEL_PT: f32 = 5.0;
@@ -41,19 +40,18 @@ pub fn valued_marks(
     scale: f32,
 ) -> Option<Vec<FrontMark>> {
     let value = |of: TargetId| values.get(&of).copied();
-    let plain = layout.front_marks(target, value)?;
     let numbered = layout.numbered_front_marks(target, value)?;
-    let is_readable = |mark: &FrontMark| match &mark.shape {
-        MarkShape::Text { size, .. } => size * CAPITAL_HEIGHT * scale >= MIN_LABEL_PT,
+    // The turns of a wheel may be smaller: they have no number.
+    let is_readable = |mark: &FrontMark| match (&mark.shape, mark.role) {
+        (MarkShape::Text { size, .. }, MarkRole::Label) => {
+            size * CAPITAL_HEIGHT * scale >= MIN_LABEL_PT
+        }
         _ => true,
     };
-    // Other texts, such as the turns of a wheel, may be smaller.
-    let mut added = numbered.iter().filter(|mark| !plain.contains(mark));
-    if added.all(is_readable) {
-        Some(numbered)
-    } else {
-        Some(plain)
+    if numbered.iter().all(is_readable) {
+        return Some(numbered);
     }
+    layout.front_marks(target, value)
 }
 
 /// Adds marks to a picture, from below to above.
@@ -125,11 +123,20 @@ fn add_mark(picture: &mut Picture, mark: &FrontMark, view: &FrontView) -> Option
                 right: (view.to_screen)(*center + along)? - position,
                 down: (view.to_screen)(*center - along.perp())? - position,
                 color,
-                text: with_known_signs(text),
+                text: words(mark.role, text),
             });
         }
     }
     Some(())
+}
+
+/// Returns the words of a mark, in the language of the window if they are not from the layout: the turns of a wheel.
+fn words(role: MarkRole, text: &str) -> String {
+    let turns = text.strip_suffix(" turns");
+    match turns.filter(|_| role == MarkRole::Note) {
+        Some(turns) => text_with("front-turns", &[("turns", turns.into())]),
+        None => with_known_signs(text),
+    }
 }
 
 impl FrontView<'_> {
@@ -157,8 +164,8 @@ impl FrontView<'_> {
             MarkRole::OnHandle => colors.key,
             MarkRole::Value => colors.ring,
             MarkRole::Scale => colors.label.mix(colors.key, 0.45),
-            MarkRole::Label if self.is_lit => colors.lit_label,
-            MarkRole::Label => colors.label,
+            MarkRole::Label | MarkRole::Note if self.is_lit => colors.lit_label,
+            MarkRole::Label | MarkRole::Note => colors.label,
         }
     }
 }
@@ -201,6 +208,7 @@ fn rounded(half: Vec2, radius: f32) -> Vec<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::texts::{Language, set_language};
     use ademan_runtime::files::Load;
 
     #[test]
@@ -233,6 +241,30 @@ mod tests {
         // Its turns cannot be read at this scale.
         let wheel = words("steering-wheel", "Wheel", 2.0);
         assert!(wheel.contains("Wheel 0.25"), "{wheel}");
+    }
+
+    #[test]
+    fn the_turns_of_a_wheel_are_in_the_language_of_the_window_and_labels_as_they_are() {
+        let layout = Layout::load("steering-wheel").unwrap();
+        let wheel = layout.target_names().find("Wheel").unwrap();
+        let marks = layout.front_marks(wheel, |_| None).unwrap();
+        let written = |language| {
+            set_language(language);
+            let mut picture = Picture::default();
+            let view = FrontView {
+                to_screen: &|point| Some(point * 8.0),
+                scale: 8.0,
+                colors: &SceneColors::DARK,
+                is_lit: false,
+            };
+            add_marks(&mut picture, &marks, &view);
+            let texts = picture.labels.into_iter().map(|label| label.text);
+            texts.collect::<Vec<_>>()
+        };
+        assert!(written(Language::English).contains(&"2.5 turns".to_owned()));
+        assert!(written(Language::Spanish).contains(&"2.5 vueltas".to_owned()));
+        assert_eq!(words(MarkRole::Label, "3 turns"), "3 turns");
+        set_language(Language::English);
     }
 
     #[test]

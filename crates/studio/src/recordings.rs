@@ -2,11 +2,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::thread;
 use std::time::SystemTime;
 
-use crossbeam_channel::{Receiver, bounded};
-
+use super::disk_search::DiskSearch;
 use super::recent::{MAX_RECENT, RecentFiles};
 
 /// The ending of recordings.
@@ -15,46 +13,13 @@ const ENDING: &str = "mcap";
 /// The largest number of entries of a folder that are looked at.
 const MAX_ENTRIES: usize = 10_000;
 
-/// A search for recordings on a thread of its own, as a disk or a share may not answer.
-pub struct RecordingSearch {
-    found: Vec<PathBuf>,
-    result: Receiver<Vec<PathBuf>>,
-}
-
-impl RecordingSearch {
-    /// Starts to search in a folder, and in the folders of the recordings that were used last. Calls `notify` at the end.
-    pub fn start(
-        folder: PathBuf,
-        used: RecentFiles,
-        notify: impl FnOnce() + Send + 'static,
-    ) -> Self {
-        let (sender, result) = bounded(1);
-        let search = move || {
-            // The window may be closed.
-            let _ = sender.send(find(&folder, &used));
-            notify();
-        };
-        // Without a thread no recordings are offered; a file can be named.
-        let _ = thread::Builder::new()
-            .name("recordings".into())
-            .spawn(search);
-        Self {
-            found: Vec::new(),
-            result,
-        }
-    }
-
-    /// Receives what was found since the last call. Does not wait.
-    pub fn update(&mut self) {
-        if let Ok(found) = self.result.try_recv() {
-            self.found = found;
-        }
-    }
-
-    /// Returns the recordings that were found.
-    pub fn found(&self) -> &[PathBuf] {
-        &self.found
-    }
+/// Starts to search in a folder, and in the folders of the recordings that were used last. Calls `notify` at the end.
+pub fn search(
+    folder: PathBuf,
+    used: RecentFiles,
+    notify: impl FnOnce() + Send + 'static,
+) -> DiskSearch<Vec<PathBuf>> {
+    DiskSearch::start("recordings", move || find(&folder, &used), notify)
 }
 
 /// Returns at most [`MAX_RECENT`] recordings, the newest first: the recordings in `folder`, the recordings that were used last, and

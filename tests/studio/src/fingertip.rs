@@ -4,7 +4,7 @@ use ademan::contact::TargetId;
 use ademan::hand::Side;
 use ademan::studio::settings::CameraPlace;
 use ademan::studio::texts::text;
-use egui::{Event, Modifiers, PointerButton, Pos2};
+use egui::{Event, Modifiers, PointerButton, Pos2, TouchDeviceId, TouchId, TouchPhase};
 
 use crate::picture;
 use crate::window::{Opening, StudioWindow};
@@ -269,4 +269,180 @@ fn a_drag_beside_the_board_or_with_shift_moves_the_camera() {
             .flatten()
             .all(Option::is_none)
     );
+}
+
+/// Returns the events of a finger on a touch screen.
+fn touch(finger: u64, phase: TouchPhase, pos: Pos2) -> Event {
+    Event::Touch {
+        device_id: TouchDeviceId(7),
+        id: TouchId(finger),
+        phase,
+        pos,
+        force: None,
+    }
+}
+
+/// Returns the events that egui-winit makes of the first finger on a touch screen, which is also the pointer.
+fn first_finger(phase: TouchPhase, pos: Pos2) -> Vec<Event> {
+    let button = |pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    let as_pointer = match phase {
+        TouchPhase::Start => vec![Event::PointerMoved(pos), button(true)],
+        TouchPhase::Move => vec![Event::PointerMoved(pos)],
+        TouchPhase::End => vec![button(false), Event::PointerGone],
+        TouchPhase::Cancel => vec![Event::PointerGone],
+    };
+    [vec![touch(1, phase, pos)], as_pointer].concat()
+}
+
+/// Sends events for the same picture, and draws it.
+fn send(window: &mut StudioWindow, events: impl IntoIterator<Item = Event>) {
+    window.harness.input_mut().events.extend(events);
+    window.draw(1);
+}
+
+/// Touches a key with the first finger and waits until it is pressed.
+fn touch_key(window: &mut StudioWindow, name: &str) -> (TargetId, Pos2) {
+    let target = key(window, name);
+    let at = place(window, target, 0.0);
+    send(window, first_finger(TouchPhase::Start, at));
+    window.draw_until("a press", |window| is_pressed(window, target));
+    (target, at)
+}
+
+#[test]
+fn a_touch_presses_a_key_until_it_ends() {
+    let mut window = open("qwerty-flat");
+    let before = camera(&mut window);
+    for name in ["G", "O"] {
+        let (target, at) = touch_key(&mut window, name);
+        send(&mut window, first_finger(TouchPhase::End, at));
+        window.draw_until("a release", |window| !is_pressed(window, target));
+    }
+    window.draw_until("the text", |window| window.has("go"));
+    assert_eq!(camera(&mut window), before, "the camera stays");
+}
+
+#[test]
+fn a_tap_that_is_shorter_than_the_way_of_the_finger_types_its_key() {
+    let mut window = open("qwerty-flat");
+    for name in ["G", "O"] {
+        let target = key(&window, name);
+        let at = place(&mut window, target, 0.0);
+        send(&mut window, first_finger(TouchPhase::Start, at));
+        send(&mut window, first_finger(TouchPhase::End, at));
+        rest(&mut window);
+    }
+    // The finger comes and goes between two pictures.
+    let target = key(&window, "D");
+    let at = place(&mut window, target, 0.0);
+    let tap = [TouchPhase::Start, TouchPhase::End].map(|phase| first_finger(phase, at));
+    send(&mut window, tap.concat());
+    rest(&mut window);
+    let model = window.model();
+    assert_eq!(model.view.state.typed, "god");
+    assert!(model.contacts.iter().flatten().all(Option::is_none));
+}
+
+#[test]
+fn a_cancelled_touch_releases_its_key_and_the_next_one_presses_again() {
+    let mut window = open("qwerty-flat");
+    let before = camera(&mut window);
+    let (target, at) = touch_key(&mut window, "G");
+    // A second finger makes it a gesture of the desktop.
+    send(&mut window, [touch(2, TouchPhase::Start, at)]);
+    send(&mut window, [touch(2, TouchPhase::Cancel, at)]);
+    send(&mut window, first_finger(TouchPhase::Cancel, at));
+    window.draw_until("a release", |window| !is_pressed(window, target));
+    rest(&mut window);
+    assert!(!is_pressed(&window, target));
+    let (target, at) = touch_key(&mut window, "H");
+    send(&mut window, first_finger(TouchPhase::End, at));
+    window.draw_until("a release", |window| !is_pressed(window, target));
+    assert_eq!(camera(&mut window), before, "the camera stays");
+}
+
+#[test]
+fn a_touch_that_is_cancelled_before_the_next_picture_presses_nothing() {
+    let mut window = open("qwerty-flat");
+    let target = key(&window, "G");
+    let at = place(&mut window, target, 0.0);
+    let phases = [TouchPhase::Start, TouchPhase::Cancel].map(|phase| first_finger(phase, at));
+    send(&mut window, phases.concat());
+    rest(&mut window);
+    let model = window.model();
+    assert_eq!(model.view.state.typed, "");
+    assert!(model.contacts.iter().flatten().all(Option::is_none));
+}
+
+#[test]
+fn a_touch_drags_a_fader_and_leaves_its_value_when_it_ends() {
+    let mut window = open("mixer");
+    let fader = fader(&window);
+    let before = camera(&mut window);
+    let from = place(&mut window, fader, -0.02);
+    send(&mut window, first_finger(TouchPhase::Start, from));
+    window.draw_until("a touch", |window| {
+        window.model().contact_with(fader).is_some()
+    });
+    for step in 1..=4_u8 {
+        let at = place(&mut window, fader, -0.02 + 0.01 * f32::from(step));
+        send(&mut window, first_finger(TouchPhase::Move, at));
+    }
+    let value = |window: &StudioWindow| window.model().values.get(&fader).copied();
+    window.draw_until("a higher value", |window| {
+        value(window).is_some_and(|value| value > 0.5)
+    });
+    rest(&mut window);
+    let dragged = value(&window).expect("a value");
+    let at = place(&mut window, fader, 0.02);
+    send(&mut window, first_finger(TouchPhase::End, at));
+    window.draw_until("a release", |window| {
+        window.model().contact_with(fader).is_none()
+    });
+    // The fingertip tilts a little as it lifts.
+    let left = value(&window).expect("a value");
+    assert!((left - dragged).abs() < 0.01, "{dragged} became {left}");
+    assert_eq!(camera(&mut window), before, "the camera stays");
+}
+
+#[test]
+fn a_second_finger_presses_nothing_while_the_first_one_holds_a_key_and_after_it() {
+    let mut window = open("qwerty-flat");
+    let (target, at) = touch_key(&mut window, "G");
+    let other = key(&window, "K");
+    let beside = place(&mut window, other, 0.0);
+    send(&mut window, [touch(2, TouchPhase::Start, beside)]);
+    rest(&mut window);
+    assert!(is_pressed(&window, target) && !is_pressed(&window, other));
+    send(&mut window, first_finger(TouchPhase::End, at));
+    window.draw_until("a release", |window| !is_pressed(window, target));
+    // The pointer is with the finger that is left, which moves.
+    let moved = [
+        touch(2, TouchPhase::Move, beside),
+        Event::PointerMoved(beside),
+    ];
+    send(&mut window, moved);
+    rest(&mut window);
+    assert!(!is_pressed(&window, other));
+    let lifted = Event::PointerButton {
+        pos: beside,
+        button: PointerButton::Primary,
+        pressed: false,
+        modifiers: Modifiers::NONE,
+    };
+    let ended = [
+        touch(2, TouchPhase::End, beside),
+        lifted,
+        Event::PointerGone,
+    ];
+    send(&mut window, ended);
+    rest(&mut window);
+    let model = window.model();
+    assert!(model.contacts.iter().flatten().all(Option::is_none));
+    assert_eq!(model.view.state.typed, "g");
 }

@@ -14,6 +14,9 @@ use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::{Layout, Person};
 use ademan_core::message::escape;
 
+/// The name of the source of a [live hand](LoadedSetup::live_hand).
+pub const SIMULATED_HAND: &str = "simulated hand";
+
 /// The largest number of keys of a layout whose presses are tried.
 const MAX_TRIED: usize = 500;
 
@@ -175,7 +178,7 @@ impl LoadedSetup {
 
     fn live_settings(&self, packet_period: Duration, noise: f64) -> TypistSettings {
         TypistSettings {
-            name: "simulated hand".to_owned(),
+            name: SIMULATED_HAND.to_owned(),
             packet_period,
             noise,
             seed: 0,

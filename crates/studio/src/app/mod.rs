@@ -15,6 +15,7 @@ use crate::attached::Attached;
 use crate::error::StudioError;
 use crate::fingertip::Fingertip;
 use crate::first_start::{Answers, FirstStart};
+use crate::fonts::fonts;
 use crate::headset::HeadsetLink;
 use crate::lab::WatchedPerson;
 use crate::model::StudioModel;
@@ -158,7 +159,7 @@ impl StudioApp {
 
     /// Prepares a window for the first picture.
     pub fn prepare(context: &egui::Context) {
-        context.set_fonts(panels::fonts());
+        context.set_fonts(fonts());
     }
 
     /// The state that the window shows.

@@ -38,6 +38,8 @@ mod fault_tests;
 #[cfg(test)]
 mod file_tests;
 #[cfg(test)]
+mod random_tests;
+#[cfg(test)]
 mod tests;
 
 pub use self::file::{Change, Conflict, FileState, Resolution, SaveError};

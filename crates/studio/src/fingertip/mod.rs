@@ -15,6 +15,7 @@ use std::sync::Arc;
 use crossbeam_channel::{Receiver, TryRecvError, unbounded};
 
 pub use self::aim::{Aim, Mouse};
+pub use self::source::MOUSE;
 use self::source::PointerSource;
 use crate::model::StudioModel;
 use crate::scene;

@@ -13,6 +13,9 @@ use ademan_runtime::setup::LoadedSetup;
 /// Time between two readings of a hand.
 const PERIOD: Duration = Duration::from_millis(10);
 
+/// The name of the source.
+pub const MOUSE: &str = "mouse";
+
 /// A movement of the mouse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointerMove {
@@ -89,7 +92,7 @@ impl Source for PointerSource {
     }
 
     fn name(&self) -> &str {
-        "mouse"
+        MOUSE
     }
 
     fn packet_period(&self) -> Option<Duration> {

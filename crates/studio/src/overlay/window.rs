@@ -84,11 +84,7 @@ impl Overlay {
 
     /// Returns words for the terminal if the desktop cannot show what was asked for.
     pub fn limitation(&self) -> Option<&'static str> {
-        match self.ability {
-            Ability::Transparent => None,
-            Ability::Opaque => Some(text("overlay-opaque")),
-            Ability::None => Some(text("overlay-window-only")),
-        }
+        self.ability.limitation()
     }
 
     fn colors(&self) -> SceneColors {

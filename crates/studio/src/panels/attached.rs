@@ -3,6 +3,7 @@
 use eframe::egui;
 
 use super::PanelContext;
+use super::status::source_words;
 use crate::attached::Attached;
 use crate::texts::{text, text_with};
 use ademan_core::command::{Command, TextMode};
@@ -45,7 +46,7 @@ pub(super) fn show(ui: &mut egui::Ui, session: &Attached, context: &mut PanelCon
                 &[("process", process.into())],
             ));
         }
-        ui.label(escape(&state.source));
+        ui.label(source_words(&state.source));
         ui.label(escape_path(session.path()));
         ui.separator();
         let next = egui::Button::new(text("attached-next-profile"));

@@ -7,7 +7,6 @@ mod devices;
 mod editor;
 mod file_field;
 mod first_start;
-mod fonts;
 mod hand;
 mod headset;
 mod help;
@@ -53,7 +52,6 @@ use ademan_runtime::files;
 use ademan_runtime::session::LayoutTrial;
 
 pub use self::first_start::show as show_first_start;
-pub use self::fonts::fonts;
 pub use self::lab::WatchChange;
 pub use self::space::{color32, paint};
 

@@ -1,20 +1,19 @@
 //! The 3D view: boards and hands, drawn by the painter of egui.
 
+use eframe::egui::text::LayoutJob;
 use eframe::egui::{
-    self, Align2, Color32, FontId, Key, Modifiers, PointerButton, Pos2, Rect, Sense,
+    self, Align, Align2, Color32, FontId, Key, Modifiers, PointerButton, Pos2, Rect, Sense,
 };
 use parry3d::math::Vec2;
 
 use super::{PanelContext, PanelState, look};
 use crate::camera::{CameraStep, Viewpoint};
 use crate::fingertip::Mouse;
+use crate::fonts::CAPITAL_HEIGHT;
 use crate::picture::{Color, Image, Label, Picture, Triangles};
 use crate::scene;
 use crate::texts::text;
 use ademan_core::command::Command;
-
-/// Height of letters as a fraction of the size of their font.
-const LETTER_HEIGHT: f32 = 0.72;
 
 /// Width of a character of a candidate, and of the rest of its button, in points.
 const CANDIDATE_WIDTH: f32 = 7.5;
@@ -122,15 +121,22 @@ fn follow_mouse(
         .projection(Vec2::new(area.width(), area.height()));
     let is_free = response.contains_pointer() || aim.has_button();
     let mouse = ui.input(|input| {
-        let at = input.pointer.latest_pos();
+        let pointer = &input.pointer;
+        let is_down = pointer.primary_down();
+        // A touch that ends takes the pointer away with it; one that is cancelled does not release it.
+        let at = if is_down {
+            pointer.latest_pos()
+        } else {
+            pointer.interact_pos()
+        };
         let at = at.filter(|at| is_free && input.focused && area.contains(*at));
         Mouse {
             ray: at.map(|at| {
                 let on_picture = at - area.min;
                 projection.ray(Vec2::new(on_picture.x, on_picture.y))
             }),
-            is_pressed: input.pointer.primary_pressed() && input.modifiers.is_none(),
-            is_down: input.pointer.primary_down(),
+            is_pressed: pointer.primary_pressed() && input.modifiers.is_none(),
+            is_down,
         }
     });
     if aim.follow(context.model, mouse) {
@@ -309,7 +315,12 @@ fn label_mesh(painter: &egui::Painter, area: Rect, labels: &[Label]) -> egui::Me
         .iter()
         .map(|label| {
             let font = FontId::proportional(font_size(label));
-            painter.layout_no_wrap(label.text.clone(), font, color32(label.color))
+            let text = label.text.clone();
+            let mut job = LayoutJob::simple(text, font, color32(label.color), f32::INFINITY);
+            if label.text.contains('\n') {
+                job.halign = Align::Center;
+            }
+            painter.layout_job(job)
         })
         .collect();
     // Known only after all letters are in the texture.
@@ -317,7 +328,7 @@ fn label_mesh(painter: &egui::Painter, area: Rect, labels: &[Label]) -> egui::Me
     let texture_size = egui::vec2(width as f32, height as f32);
     let mut mesh = egui::Mesh::default();
     for (label, galley) in labels.iter().zip(&galleys) {
-        let letter_height = font_size(label) * LETTER_HEIGHT;
+        let letter_height = font_size(label) * CAPITAL_HEIGHT;
         let center = galley.mesh_bounds.center();
         for row in &galley.rows {
             let first = mesh.vertices.len() as u32;
@@ -340,7 +351,7 @@ fn label_mesh(painter: &egui::Painter, area: Rect, labels: &[Label]) -> egui::Me
 
 /// Returns the size of the font for a label: one of a few, so that the texture of letters stays small.
 fn font_size(label: &Label) -> f32 {
-    let height = label.down.length().max(label.right.length()) / LETTER_HEIGHT;
+    let height = label.down.length().max(label.right.length()) / CAPITAL_HEIGHT;
     let fits = FONT_SIZES.iter().find(|size| **size >= height);
     *fits.unwrap_or(&FONT_SIZES[FONT_SIZES.len() - 1])
 }

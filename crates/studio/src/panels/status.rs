@@ -1,13 +1,18 @@
 //! The status line: state, effect on other programs, layout, and the latest message.
 
+use std::borrow::Cow;
+
 use eframe::egui::{self, Color32};
 
 use super::{PanelContext, PanelState, headset};
+use crate::fingertip::MOUSE;
 use crate::model::StudioModel;
 use crate::notices;
 use crate::texts::{text, text_with};
 use crate::typing::Typing;
+use ademan_core::message::escape;
 use ademan_core::pipeline::PipelineState;
+use ademan_runtime::setup::SIMULATED_HAND;
 
 pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     ui.add_space(3.0);
@@ -36,6 +41,15 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
             .on_hover_text(message);
     });
     ui.add_space(3.0);
+}
+
+/// Returns the words of a source: its URI, or the words of a source of the program itself.
+pub(super) fn source_words(source: &str) -> Cow<'_, str> {
+    match source {
+        SIMULATED_HAND => text("stats-source-simulated").into(),
+        MOUSE => text("stats-source-mouse").into(),
+        other => escape(other),
+    }
 }
 
 /// Returns the words of the state of a session. Where readings arrive and none can be used, they name the most frequent reason.

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::Canvas;
+use super::labels::{Turn, add_label, board_turn};
 use crate::marks::{FrontView, add_marks, valued_marks};
 use crate::model::StudioModel;
-use crate::picture::{Color, Label, convex_hull, with_known_signs};
+use crate::picture::{Color, convex_hull};
 use ademan_core::contact::TargetId;
 use ademan_core::contact::surface::{Shape, Surface, Target};
 use ademan_core::layout::{FrontMark, Layout};
@@ -21,17 +22,8 @@ const BOARD_MARGIN: f32 = 0.005;
 /// The largest deviation of fronts from a plane for which a plate is drawn, in metres.
 const FLATNESS: f32 = 0.002;
 
-/// The largest label, in metres.
-const MAX_LABEL: f32 = 0.009;
-
-/// Width of a letter as a fraction of its height.
-const LETTER_WIDTH: f32 = 0.76;
-
 /// The largest distance from the fronts to the plate, in metres.
 const MAX_PLATE_DEPTH: f32 = 0.006;
-
-/// The smallest label that can be read, in points.
-const MIN_LABEL_PT: f32 = 5.0;
 
 /// Size of a key on the screen below which it is a flat rectangle, in points.
 const MIN_DETAIL_PT: f32 = 9.0;
@@ -98,12 +90,21 @@ pub(super) fn add_controls<'a>(
             let center = canvas.project(world_from_target.translation)?;
             let radius = half_extents(target).length() * 2.0 * center.scale;
             let is_seen = canvas.is_seen(center.position, radius);
-            is_seen.then_some((center.depth, id, target, world_from_target))
+            is_seen.then_some((center, id, target, world_from_target))
         })
         .collect();
-    keys.sort_by(|a, b| b.0.total_cmp(&a.0));
+    keys.sort_by(|a, b| b.0.depth.total_cmp(&a.0.depth));
+    let detailed = keys
+        .iter()
+        .filter(|(center, _, target, _)| has_detail(target, center.scale));
+    let turn = board_turn(canvas, detailed.map(|(_, _, target, pose)| (*target, pose)));
     for (_, id, target, world_from_target) in keys {
-        add_key(canvas, layout, (id, target), &world_from_target, state(id));
+        let front = Front {
+            id,
+            target,
+            label_turn: turn,
+        };
+        add_key(canvas, layout, &front, &world_from_target, state(id));
     }
 }
 
@@ -137,13 +138,20 @@ fn add_plate(canvas: &mut Canvas, world_from_board: &Pose, surface: &Surface) {
     }
 }
 
-fn add_key(
-    canvas: &mut Canvas,
-    layout: &Layout,
-    (id, target): (TargetId, &Target),
-    pose: &Pose,
-    state: FrontState,
-) {
+/// A key or control of a board.
+struct Front<'a> {
+    id: TargetId,
+    target: &'a Target,
+    /// The turn of the labels of the board.
+    label_turn: Option<Turn>,
+}
+
+fn add_key(canvas: &mut Canvas, layout: &Layout, front: &Front, pose: &Pose, state: FrontState) {
+    let &Front {
+        id,
+        target,
+        label_turn,
+    } = front;
     let is_lit = state.is_lit;
     let depth = state.depth * target.travel;
     let center = *pose * Vec3::new(0.0, 0.0, -depth);
@@ -157,7 +165,7 @@ fn add_key(
         (colors.key, colors.key_side, colors.label)
     };
     let is_turned_away = (pose.rotation * Vec3::Z).dot(canvas.projection.to_eye(center)) <= 0.0;
-    if 2.0 * half_extents(target).min_element() * projected.scale < MIN_DETAIL_PT {
+    if !has_detail(target, projected.scale) {
         if !is_turned_away {
             add_small_key(
                 canvas,
@@ -173,20 +181,20 @@ fn add_key(
         let on_screen = canvas.project(*pose * point.extend(z))?;
         Some(on_screen.position)
     };
-    let front: Option<Vec<Vec2>> = outline.iter().map(|&point| at(point, -depth)).collect();
-    let Some(front) = front else {
+    let edge: Option<Vec<Vec2>> = outline.iter().map(|&point| at(point, -depth)).collect();
+    let Some(edge) = edge else {
         return;
     };
     let back = |point: &Vec2| at(*point * 1.04, -key_height(target));
     let Some(back) = outline.iter().map(back).collect::<Option<Vec<_>>>() else {
         return;
     };
-    let hull = convex_hull(front.iter().chain(&back).copied().collect());
+    let hull = convex_hull(edge.iter().chain(&back).copied().collect());
     canvas.picture.below.add_flat_polygon(&hull, side);
     if is_turned_away {
         return;
     }
-    canvas.picture.below.add_flat_polygon(&front, face);
+    canvas.picture.below.add_flat_polygon(&edge, face);
     let marks = match state.values {
         Some(values) => valued_marks(layout, id, values, projected.scale * 1e-3),
         None => layout.front_marks(id, |_| None),
@@ -195,13 +203,8 @@ fn add_key(
         let pose = Pose::from_parts(center, pose.rotation);
         add_front(canvas, &marks, &pose, projected.scale, is_lit);
     } else if let Some(text) = layout.face(id).map(|shown| &shown.label) {
-        add_label(
-            canvas,
-            text,
-            label,
-            target,
-            &Pose::from_parts(center, pose.rotation),
-        );
+        let pose = Pose::from_parts(center, pose.rotation);
+        add_label(canvas, (text, label), (target, &pose), label_turn);
     }
 }
 
@@ -233,51 +236,6 @@ fn add_small_key(canvas: &mut Canvas, target: &Target, front: &Pose, color: Colo
     }
 }
 
-/// Adds the label of a front, which lies on it and is upright for the eye.
-fn add_label(canvas: &mut Canvas, text: &str, color: Color, target: &Target, front: &Pose) {
-    let text = &with_known_signs(text);
-    let half = half_extents(target);
-    let origin = front.translation;
-    let direction = |axis: Vec3| {
-        let ahead = canvas.project(origin + front.rotation * axis * half.min_element())?;
-        let behind = canvas.project(origin - front.rotation * axis * half.min_element())?;
-        Some((ahead.position - behind.position) / (2.0 * half.min_element()))
-    };
-    let (Some(center), Some(x), Some(y)) = (
-        canvas.project(origin),
-        direction(Vec3::X),
-        direction(Vec3::Y),
-    ) else {
-        return;
-    };
-    let turned = Vec2::new(half.y, half.x);
-    // The quarter turn in which the text runs to the right of the screen.
-    let turns = [
-        (x, -y, half),
-        (-x, y, half),
-        (y, x, turned),
-        (-y, -x, turned),
-    ];
-    let best = turns.into_iter().max_by(|a, b| {
-        let rightward = |(right, _, _): &(Vec2, Vec2, Vec2)| right.x / right.length().max(1e-6);
-        rightward(a).total_cmp(&rightward(b))
-    });
-    let Some((right, down, seen_half)) = best else {
-        return;
-    };
-    let width = 1.7 * seen_half.x / (LETTER_WIDTH * text.chars().count().max(1) as f32);
-    let size = (seen_half.y * 1.1).min(width).min(MAX_LABEL);
-    if size * down.length().min(right.length()) >= MIN_LABEL_PT {
-        canvas.picture.labels.push(Label {
-            position: center.position,
-            right: right * size,
-            down: down * size,
-            color,
-            text: text.clone(),
-        });
-    }
-}
-
 /// Returns the corners of the box around a front, on the surface.
 pub(crate) fn corners(target: &Target) -> [Vec3; 4] {
     corners_with_margin(target, 0.0)
@@ -292,7 +250,12 @@ fn key_height(target: &Target) -> f32 {
     target.travel.max(MIN_KEY_HEIGHT)
 }
 
-fn half_extents(target: &Target) -> Vec2 {
+/// Returns `true` if a front is more than a flat rectangle at a number of points per metre.
+fn has_detail(target: &Target, scale: f32) -> bool {
+    2.0 * half_extents(target).min_element() * scale >= MIN_DETAIL_PT
+}
+
+pub(super) fn half_extents(target: &Target) -> Vec2 {
     match target.shape {
         Shape::Box(half) => half,
         Shape::Disc(radius) => Vec2::splat(radius),

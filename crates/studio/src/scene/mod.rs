@@ -4,6 +4,7 @@ mod boards;
 mod colors;
 mod fingertips;
 mod hand;
+mod labels;
 mod limbs;
 mod plan;
 mod raster;

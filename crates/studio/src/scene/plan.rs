@@ -12,6 +12,7 @@ use crate::canvas::plan::handles::{self, PlanHandle};
 use crate::canvas::plan::{Plan, PlanBoard, PlanItem, PlanShape, PlanView};
 use crate::canvas::viewport::Viewport;
 use crate::editor::Part;
+use crate::fonts::text_width;
 use crate::picture::{Color, Label, Picture, capsule, convex_hull};
 use ademan_core::contact::TargetId;
 use ademan_core::contact::volume::VolumeShape;
@@ -211,7 +212,7 @@ impl Marks<'_> {
 
     /// Adds letters on a background of their own.
     fn add_letters(&mut self, at: Vec2, color: Color, text: String) {
-        let half = text.chars().count() as f32 * LETTERS * 0.42;
+        let half = text_width(&text) * LETTERS / 2.0;
         let background = self.canvas.colors.background.with_opacity(0.85);
         let plate = capsule(
             (at - Vec2::X * half, LETTERS),

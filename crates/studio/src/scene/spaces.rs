@@ -3,6 +3,7 @@
 use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::Canvas;
+use crate::fonts::{Fitted, fitted};
 use crate::model::StudioModel;
 use crate::picture::{Color, Label, convex_hull, disc};
 use ademan_core::contact::TargetId;
@@ -27,6 +28,9 @@ const SELECTED_OPACITY: f32 = 0.8;
 
 /// Height of the letters of a target in space, as a fraction of its radius.
 const LETTER_HEIGHT: f32 = 0.35;
+
+/// Width of the name of a target in space, as a fraction of its radius.
+const NAME_WIDTH: f32 = 1.7;
 
 /// The smallest label that can be read, in points.
 const MIN_LABEL_PT: f32 = 6.0;
@@ -133,15 +137,15 @@ pub(super) fn add_name(canvas: &mut Canvas, center: Vec3, volume: &Volume, name:
         return;
     };
     let radius = half_extents(volume).min_element() * center.scale;
-    let letters = name.chars().count().max(1) as f32;
-    let size = (radius * LETTER_HEIGHT).min(radius * 2.2 / letters);
+    let room = Vec2::new(radius * NAME_WIDTH, radius);
+    let Fitted { text, size } = fitted(name.to_owned(), room, radius * LETTER_HEIGHT);
     if size >= MIN_LABEL_PT {
         canvas.picture.labels.push(Label {
             position: center.position,
             right: Vec2::X * size,
             down: Vec2::Y * size,
             color: canvas.colors.label,
-            text: name.to_owned(),
+            text,
         });
     }
 }

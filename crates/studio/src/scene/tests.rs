@@ -34,7 +34,12 @@ pub(crate) fn model_of(layout: Arc<Layout>) -> StudioModel {
 
 /// Returns a shipped layout below an elbow, and a camera that shows it.
 fn scene(layout: &str) -> (StudioModel, Camera) {
-    let mut model = model_of(Arc::new(Layout::load(layout).unwrap()));
+    scene_of(Layout::load(layout).unwrap())
+}
+
+/// Returns a layout below an elbow, and a camera that shows it.
+fn scene_of(layout: Layout) -> (StudioModel, Camera) {
+    let mut model = model_of(Arc::new(layout));
     let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
     pose.set(Joint::Elbow, Pose::from_translation(Vec3::ZERO));
     model.poses[Side::Right.index()] = Some(pose);
@@ -67,6 +72,46 @@ fn every_key_of_a_board_has_a_label_that_is_upright() {
     camera.azimuth += std::f32::consts::PI;
     for label in picture(&model, &camera).labels {
         assert!(label.right.x > 0.0 && label.down.y > 0.0, "{label:?}");
+    }
+}
+
+#[test]
+fn the_labels_of_neighbours_on_an_arc_have_the_same_quarter_turn() {
+    let (model, mut camera) = scene("piano");
+    let points = points_of_interest(&model);
+    camera.frame(&points, 0.0, Viewpoint::Above, SIZE.x / SIZE.y);
+    let start = camera.azimuth;
+    for step in 0..36_u8 {
+        camera.azimuth = start + f32::from(step) * 10_f32.to_radians();
+        let labels = picture(&model, &camera).labels;
+        let right = |name: &str| {
+            let label = labels.iter().find(|it| it.text == name);
+            label.expect("a label").right
+        };
+        let keys = [
+            "C4", "D4", "E4", "F4", "G4", "A4", "B4", "C5", "D5", "E5", "F5",
+        ];
+        for pair in keys.windows(2) {
+            let turn = right(pair[0]).angle_to(right(pair[1])).to_degrees();
+            assert!(turn.abs() < 45.0, "{step} {pair:?}: {turn}");
+        }
+    }
+}
+
+#[test]
+fn a_label_on_a_key_that_is_turned_on_its_board_is_not_upside_down() {
+    let text = "Layout(name: \"Turned\", boards: [(
+        pose: (anchor: elbow, forward_mm: 320, height_mm: -45),
+        keys: [
+            (code: \"A\", at_mm: (0, 0)), (code: \"B\", at_mm: (19, 0)), (code: \"C\", at_mm: (38, 0)),
+            (code: \"D\", at_mm: (57, 0), rotation_deg: (0, 0, 180)),
+        ],
+    )])";
+    let (model, camera) = scene_of(Layout::parse(text, "turned.ron").unwrap());
+    let labels = picture(&model, &camera).labels;
+    assert_eq!(labels.len(), 4);
+    for label in labels {
+        assert!(label.right.x > 0.9 * label.right.length(), "{label:?}");
     }
 }
 

@@ -140,6 +140,8 @@ channel-angle = Angle
 channel-none = This source has no channels: it measures angles or positions.
 channel-no-reading = No reading has arrived yet.
 stats-source = Source
+stats-source-simulated = simulated hand
+stats-source-mouse = mouse
 stats-rate = Readings per second
 stats-accepted = Accepted
 stats-dropped = Dropped
@@ -310,6 +312,7 @@ stats-dropped-presses = Presses the output dropped
 stats-suppressed = Events suppressed
 stats-rejected = Rejected
 stats-latency = Latency p50 / p99 / max
+front-turns = { $turns } turns
 
 ## Sensors: filter
 

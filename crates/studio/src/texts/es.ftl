@@ -140,6 +140,8 @@ channel-angle = Ángulo
 channel-none = Esta fuente no tiene canales: mide ángulos o posiciones.
 channel-no-reading = Aún no ha llegado ninguna lectura.
 stats-source = Fuente
+stats-source-simulated = mano simulada
+stats-source-mouse = ratón
 stats-rate = Lecturas por segundo
 stats-accepted = Aceptadas
 stats-dropped = Descartadas
@@ -310,6 +312,7 @@ stats-dropped-presses = Pulsaciones perdidas por la salida
 stats-suppressed = Eventos suprimidos
 stats-rejected = Rechazadas
 stats-latency = Latencia p50 / p99 / máx.
+front-turns = { $turns } vueltas
 
 ## Sensores: filtro
 

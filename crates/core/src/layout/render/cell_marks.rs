@@ -126,7 +126,9 @@ impl Cell {
             .face(self.target)
             .map(|face| face.outline.half_extents() * 1e3);
         let label = |mark: FrontMark| match mark.shape {
-            MarkShape::Text { center, text, .. } if mark.role == MarkRole::Label => {
+            MarkShape::Text { center, text, .. }
+                if matches!(mark.role, MarkRole::Label | MarkRole::Note) =>
+            {
                 Some(self.label(center / half?, &text))
             }
             _ => None,

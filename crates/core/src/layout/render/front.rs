@@ -35,6 +35,8 @@ pub enum MarkRole {
     Scale,
     /// A label.
     Label,
+    /// The words below a label, such as the turns of a wheel.
+    Note,
 }
 
 /// The outline of a mark.

@@ -10,6 +10,7 @@ use super::gesture::Preview;
 use super::selection::Selection;
 use super::viewport::Viewport;
 use super::{Bounds, Item, ItemShape, group};
+use crate::fonts::{Fitted, fitted};
 use crate::marks::{FrontView, add_marks, half_width};
 use crate::picture::{Color, Label, Picture, Triangles, disc, with_known_signs};
 use crate::scene::SceneColors;
@@ -21,8 +22,8 @@ const LABEL_HEIGHT: f32 = 0.36;
 /// Range of the height of labels, in points. Smaller ones are not drawn.
 const LABEL_SIZES: (f32, f32) = (6.5, 22.0);
 
-/// Width of a letter as a fraction of its height, for labels that must fit their item.
-const LETTER_WIDTH: f32 = 0.78;
+/// The room of a label, as a part of the width and height of its item.
+const LABEL_ROOM: f32 = 0.88;
 
 /// Side of an item on the screen below which it is drawn without an edge, in points.
 const SMALL: f32 = 7.0;
@@ -295,15 +296,13 @@ impl Pen<'_> {
     }
 
     fn add_label(&mut self, item: &Item, shape: &ItemShape, look: Look) {
-        let text = with_known_signs(&item.label);
-        let length = text.chars().count().max(1) as f32;
         let extent = shape.bounds().size() * self.viewport.scale;
-        let fitting = extent.x * 0.88 / (length * LETTER_WIDTH);
-        let size = (extent.min_element() * LABEL_HEIGHT).min(fitting);
+        let largest = (extent.min_element() * LABEL_HEIGHT).min(LABEL_SIZES.1);
+        let text = with_known_signs(&item.label);
+        let Fitted { text, size } = fitted(text, extent * LABEL_ROOM, largest);
         if size < LABEL_SIZES.0 {
             return;
         }
-        let size = size.min(LABEL_SIZES.1);
         let color = match look {
             Look::Pressed => self.colors.lit_label,
             Look::Plain | Look::Selected => self.colors.label,

@@ -2,8 +2,9 @@
 
 use parry3d::math::Vec2;
 
-use super::{LETTER_WIDTH, Pen, bend_half_width};
+use super::{Pen, bend_half_width};
 use crate::canvas::{Bounds, Item, bend};
+use crate::fonts::text_width;
 use crate::picture::{Label, disc};
 
 /// Height of the radius of a bend, in points.
@@ -26,7 +27,7 @@ impl Pen<'_> {
             self.picture.above.add_flat_polygon(&disc(end, 5.0), fill);
             self.picture.above.add_ring(end, 5.0, 2.0, ring);
             let text = format!("R {radius:.0} mm");
-            let width = text.chars().count() as f32 * RADIUS_LABEL * LETTER_WIDTH;
+            let width = text_width(&text) * RADIUS_LABEL;
             let half = Vec2::new(width / 2.0, RADIUS_LABEL);
             self.picture.labels.push(Label {
                 position: self.free_place(items, end, half),
@@ -89,7 +90,7 @@ mod tests {
         let picture = draw(&scene, &viewport, SIZE, &SceneColors::LIGHT);
         let mut labels = picture.labels.iter();
         let radius = labels.find(|it| it.text == "R 320 mm").unwrap();
-        let half = Vec2::new(8.0 * RADIUS_LABEL * LETTER_WIDTH, 2.0 * RADIUS_LABEL) / 2.0;
+        let half = Vec2::new(text_width(&radius.text), 2.0) * RADIUS_LABEL / 2.0;
         let corners = [radius.position - half, radius.position + half];
         let [a, b] = corners.map(|corner| viewport.to_board(corner, SIZE));
         let words = Bounds::between(a, b);

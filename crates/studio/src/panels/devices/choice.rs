@@ -19,7 +19,7 @@ pub(super) struct Choice<'a> {
     /// The words for none.
     pub default: &'static str,
     /// The names to choose from.
-    pub names: Vec<String>,
+    pub names: Vec<&'a str>,
     pub file: &'static str,
 }
 
@@ -53,10 +53,10 @@ impl Choice<'_> {
         {
             chosen = Some(None);
         }
-        for name in &self.names {
+        for &name in &self.names {
             let is_present = self.present == Some(name);
             if ui.selectable_label(is_present, escape(name)).clicked() {
-                chosen = Some(Some(name.clone()));
+                chosen = Some(Some(name.to_owned()));
             }
         }
         chosen

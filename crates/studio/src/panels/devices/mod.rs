@@ -4,14 +4,16 @@ mod choice;
 mod source;
 
 use std::env;
+use std::path::PathBuf;
 
 use eframe::egui::{self, Align2, Key, Modifiers, Vec2};
 
 use self::choice::Choice;
 use super::{PanelContext, PanelState, file_field};
+use crate::disk_search::DiskSearch;
 use crate::first_start::Search;
 use crate::recent::RecentFiles;
-use crate::recordings::RecordingSearch;
+use crate::recordings;
 use crate::setup_change::SetupChange;
 use crate::texts::text;
 use ademan_core::command::{Command, ProfileName};
@@ -32,6 +34,23 @@ const MARGIN: f32 = 210.0;
 /// Place of the window when it opens, from the upper left corner in points: below a toolbar of two rows.
 const OFFSET: Vec2 = Vec2::new(12.0, 80.0);
 
+/// The names of files in the configuration folder.
+#[derive(Default)]
+struct OwnNames {
+    gloves: Vec<String>,
+    persons: Vec<String>,
+}
+
+impl OwnNames {
+    /// Reads the configuration folder, which may take long.
+    fn read() -> Self {
+        Self {
+            gloves: own_gloves(),
+            persons: own_persons(),
+        }
+    }
+}
+
 /// The window, and the words in its fields.
 #[derive(Default)]
 pub(super) struct DevicesWindow {
@@ -41,7 +60,9 @@ pub(super) struct DevicesWindow {
     /// The serial ports, once the window was open. Sources of the session are not listened to.
     search: Option<Search>,
     /// The recordings that are offered, once the window was open.
-    recordings: Option<RecordingSearch>,
+    recordings: Option<DiskSearch<Vec<PathBuf>>>,
+    /// The gloves and persons in the configuration folder, once the window was open.
+    own: Option<DiskSearch<OwnNames>>,
     source: String,
     recording: String,
     glove: String,
@@ -65,6 +86,7 @@ impl DevicesWindow {
         Self {
             search: None,
             recordings: None,
+            own: None,
             error,
             ..self
         }
@@ -80,7 +102,7 @@ impl DevicesWindow {
 pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     let window = &mut state.devices;
     if !window.is_open {
-        (window.search, window.recordings) = (None, None);
+        (window.search, window.recordings, window.own) = (None, None, None);
         return;
     }
     if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
@@ -92,6 +114,12 @@ pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCon
         search_recordings(source, used, ui.ctx().clone())
     });
     recordings.update();
+    let own = window.own.get_or_insert_with(|| {
+        let own_context = ui.ctx().clone();
+        let notify = move || own_context.request_repaint();
+        DiskSearch::start("names", OwnNames::read, notify)
+    });
+    own.update();
     let mut is_open = window.is_open;
     let mut chosen = None;
     egui::Window::new(text("menu-devices"))
@@ -127,12 +155,12 @@ fn search_recordings(
     source: Option<&SourceUri>,
     used: &mut RecentFiles,
     context: egui::Context,
-) -> RecordingSearch {
+) -> DiskSearch<Vec<PathBuf>> {
     if let Some(SourceUri::Recording { path }) = source {
         used.push(path);
     }
     let folder = env::current_dir().unwrap_or_default();
-    RecordingSearch::start(folder, used.clone(), move || context.request_repaint())
+    recordings::search(folder, used.clone(), move || context.request_repaint())
 }
 
 fn show_content(
@@ -160,14 +188,14 @@ fn show_rows(
     loaded: &LoadedSetup,
 ) -> Option<SetupChange> {
     let mut chosen = source::show_fields(ui, window);
+    let own = window.own.as_ref().map(DiskSearch::found);
+    let gloves = own.map_or(&[][..], |it| it.gloves.as_slice());
+    let persons = own.map_or(&[][..], |it| it.persons.as_slice());
     let glove = Choice {
         name: "devices-glove",
         present: loaded.setup.glove.as_deref(),
         default: "devices-glove-own",
-        names: shipped_gloves()
-            .map(str::to_owned)
-            .chain(own_gloves())
-            .collect(),
+        names: with_own(shipped_gloves(), gloves),
         file: "devices-glove-file",
     };
     chosen = glove
@@ -178,10 +206,7 @@ fn show_rows(
         name: "devices-person",
         present: loaded.setup.person.as_deref(),
         default: "devices-person-none",
-        names: shipped_persons()
-            .map(str::to_owned)
-            .chain(own_persons())
-            .collect(),
+        names: with_own(shipped_persons(), persons),
         file: "devices-person-file",
     };
     chosen = person
@@ -211,6 +236,13 @@ fn show_rows(
     let file = ui.horizontal(|ui| file_field::show_beside(ui, &label, words, &mut window.setup));
     ui.end_row();
     file.inner.map(SetupChange::File).or(chosen)
+}
+
+/// Returns the names of shipped files, and of files in the configuration folder.
+fn with_own(shipped: impl Iterator<Item = &'static str>, own: &[String]) -> Vec<&str> {
+    let mut names: Vec<&str> = shipped.collect();
+    names.extend(own.iter().map(String::as_str));
+    names
 }
 
 /// Shows the outputs of this build. An output with an argument is written into the field.

@@ -8,7 +8,6 @@ use super::super::first_start::{name_of, words_of, words_of_camera};
 use super::super::headset::show_consent;
 use super::{DevicesWindow, file_field};
 use crate::first_start::{Port, Search};
-use crate::recordings::RecordingSearch;
 use crate::setup_change::SetupChange;
 use crate::texts::text;
 use ademan_core::command::Command;
@@ -31,7 +30,7 @@ pub(super) fn show(
     ui.horizontal(|ui| {
         ui.strong(text("devices-source"));
         if ui.button(text("devices-search")).clicked() {
-            (window.search, window.recordings) = (None, None);
+            (window.search, window.recordings, window.own) = (None, None, None);
         }
     });
     if ui
@@ -63,7 +62,7 @@ pub(super) fn show(
         ui.label(words_of_camera(camera));
     }
     let recordings = window.recordings.as_ref();
-    let recordings = recordings.map_or(&[][..], RecordingSearch::found);
+    let recordings = recordings.map_or(&[][..], |it| it.found().as_slice());
     chosen = show_recordings(ui, recordings, present).or(chosen);
     let is_listed = |uri: &SourceUri| {
         let listed = recording_of(uri).is_some_and(|path| recordings.contains(&path));

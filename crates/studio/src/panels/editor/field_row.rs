@@ -80,7 +80,6 @@ fn show_value(
                 name: field.name,
                 label,
                 old: old.unwrap_or_else(|| first_number(shown).unwrap_or(min).clamp(min, max)),
-                is_mixed,
                 hint,
                 range: min..=max,
                 speed: ((max - min) / 500.0).clamp(0.005, 1.0),
@@ -235,8 +234,6 @@ pub(super) struct Number {
     pub label: egui::Id,
     /// The value in the layout, of the first part if several differ, or the one at which a drag begins.
     pub old: f64,
-    /// The parts have different values.
-    pub is_mixed: bool,
     /// Words in place of the value, as the parts have different ones or none is known.
     pub hint: Option<String>,
     /// The values that can be typed.
@@ -278,9 +275,9 @@ pub(super) fn number_cell(
     let mut shown = typed.unwrap_or(number.old);
     let drag = ui.add(number.drag_value(&mut shown));
     let drag = drag.labelled_by(number.label);
-    // A number that the first of several parts has may be new to the others.
+    // A number that is typed in place of words is new, also if it is the one at which a drag begins.
     let is_changed = is_other_number(number.old, shown, number.decimals)
-        || number.is_mixed && drag.lost_focus() && typed.is_some();
+        || number.hint.is_some() && typed.is_some();
     let new = (shown * 1000.0).round() / 1000.0;
     // A field that is only passed through changes nothing.
     if typed.is_some() || drag.has_focus() && (drag.changed() || has_typed(ui)) {

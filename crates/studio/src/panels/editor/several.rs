@@ -109,7 +109,6 @@ fn show_number(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], numbe
         name: number.id,
         label: label.id,
         old: f64::from((shared.unwrap_or(first) * 100.0).round()) / 100.0,
-        is_mixed: shared.is_none(),
         hint: shared.is_none().then(|| text("editor-mixed").to_owned()),
         range: number.range.clone(),
         speed: 0.1,

@@ -155,6 +155,36 @@ fn a_number_that_is_not_written_is_shown_as_the_board_has_it() {
 }
 
 #[test]
+fn a_number_that_is_typed_in_place_of_words_is_written_also_if_it_is_the_first_one_of_them() {
+    for (number, key) in [
+        ("0.25", Key::Enter),
+        ("0.4", Key::Enter),
+        ("0.25", Key::Tab),
+    ] {
+        let mut window = Window::on_text(TWO_KEYS, TALL);
+        window.click_board(0.0, 0.0);
+        window.show_defaults();
+        window.click_field(Role::SpinButton, "release at");
+        window.write(number);
+        window.press(Modifiers::NONE, key);
+        let written = format!("(0, 0), release_at: {number})");
+        assert_eq!(window.text(), TWO_KEYS.replace("(0, 0))", &written));
+    }
+    let mut window = Window::on_text(TWO_KEYS, TALL);
+    window.click_board(0.0, 0.0);
+    window.show_defaults();
+    for is_typed in [false, true] {
+        window.click_field(Role::SpinButton, "release at");
+        if is_typed {
+            window.write("0.25");
+        }
+        window.press(Modifiers::NONE, Key::Escape);
+        assert_eq!(window.text(), TWO_KEYS);
+        window.click_board(0.0, 0.0);
+    }
+}
+
+#[test]
 fn a_change_of_the_file_during_a_drag_keeps_both() {
     let mut window = Window::open();
     let key = window.at(0.0, 0.0);

@@ -3,7 +3,7 @@
 use eframe::egui;
 
 use crate::model::StudioModel;
-use crate::panels::status::state_words;
+use crate::panels::status::{source_words, state_words};
 use crate::texts::text;
 use ademan_core::estimate::Rejection;
 
@@ -24,7 +24,10 @@ pub(super) fn show(ui: &mut egui::Ui, model: &StudioModel) {
 fn rows(model: &StudioModel) -> Vec<(String, String)> {
     let (state, stats) = (&model.view.state, &model.stats);
     let mut rows = vec![
-        (text("stats-source").to_owned(), state.source.clone()),
+        (
+            text("stats-source").to_owned(),
+            source_words(&state.source).into_owned(),
+        ),
         (text("stats-state").to_owned(), state_words(model)),
         (
             text("stats-rate").to_owned(),

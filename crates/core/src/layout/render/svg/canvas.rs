@@ -315,7 +315,8 @@ fn role(class: &str) -> Option<MarkRole> {
         "on-metal" => MarkRole::OnHandle,
         "mark" | "lit" => MarkRole::Value,
         "tick" | "range" | "icon" => MarkRole::Scale,
-        "label" | "muted" => MarkRole::Label,
+        "label" => MarkRole::Label,
+        "muted" => MarkRole::Note,
         _ => return None,
     })
 }
