@@ -63,7 +63,10 @@ fn the_keys_of_the_modes_switch_between_words_and_letters() {
     let found = performs("tap words; tap 2; tap 2; tap 2; tap Space");
     assert_eq!(found.chars().count(), 4, "{found}");
     assert_ne!(found, "c ");
-    assert_eq!(performs("tap letters; tap 2; tap 2; tap 2; tap Space"), "c ");
+    assert_eq!(
+        performs("tap letters; tap 2; tap 2; tap 2; tap Space"),
+        "c "
+    );
     assert_eq!(performs("tap 2; tap 2; tap 2; tap Space"), "c ");
 }
 
@@ -81,13 +84,17 @@ fn behind_text_that_is_not_known_taps_in_a_row_choose() {
     let script = "tap 4; tap 3; wait 3000; tap 2; tap 2; tap 2";
     let hand = setup.scripted(script, &line(115_200), 0.0, 0);
     let mut is_paused = false;
-    let Typed { text, .. } = play(&setup, hand.expect("a script"), |presses, pipeline, events| {
-        // The first two letters, of which the second one changes the first.
-        if presses >= 2 && !is_paused {
-            is_paused = true;
-            pipeline.pause(CommandOrigin::Client, events);
-            pipeline.resume(CommandOrigin::Client);
-        }
-    });
+    let Typed { text, .. } = play(
+        &setup,
+        hand.expect("a script"),
+        |presses, pipeline, events| {
+            // The first two letters, of which the second one changes the first.
+            if presses >= 2 && !is_paused {
+                is_paused = true;
+                pipeline.pause(CommandOrigin::Client, events);
+                pipeline.resume(CommandOrigin::Client);
+            }
+        },
+    );
     assert!(text.ends_with('c'), "{text}");
 }

@@ -278,8 +278,8 @@ fn is_one_shot_shift(action: KeyAction) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::keyboard::Activation;
     use crate::device::MultitapId;
+    use crate::device::keyboard::Activation;
 
     fn key(id: u32, actions: &[Option<KeyAction>]) -> KeyBinding {
         KeyBinding {
