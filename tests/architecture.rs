@@ -80,6 +80,20 @@ fn nothing_depends_on_the_wall_clock() {
     }
 }
 
+/// A release waits for nothing. Threads of other outputs wait; the access check is a part of `doctor`.
+#[test]
+fn the_session_loop_does_not_sleep() {
+    let loops = ["session/event_loop/", "output/uinput/linux/"];
+    let mut files = 0;
+    for (name, code) in program() {
+        if loops.iter().any(|prefix| name.starts_with(prefix)) && !name.ends_with("/check.rs") {
+            assert!(!code.contains("sleep("), "{name} sleeps");
+            files += 1;
+        }
+    }
+    assert!(files > 5, "only {files} files were found");
+}
+
 /// `Path::display` writes control characters as they are. A path is escaped in a message, and as data it is a text.
 #[test]
 fn a_path_becomes_part_of_a_message_by_being_escaped() {

@@ -1,7 +1,7 @@
 //! Text lines of joint angles as the source of the program, without a glove.
 
 use std::io::{BufRead, BufReader, Write};
-use std::process::Stdio;
+use std::process::{Child, ChildStdin, Stdio};
 use std::time::{Duration, Instant};
 
 use ademan::capture::protocol::text_line::{VALUES, angles, parse};
@@ -26,6 +26,19 @@ pub fn pressed_keys(transcript: &str) -> Vec<&str> {
         .collect()
 }
 
+/// Starts a run of text lines on its standard input, with pipes, and returns the end to write to.
+fn reading_lines() -> (Child, ChildStdin) {
+    let source = "stdin:?protocol=text-line";
+    let mut program = ademan(["run", "--source", source, "--output", "transcript"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let stdin = program.stdin.take().expect("it is piped");
+    (program, stdin)
+}
+
 #[test]
 fn a_file_of_text_lines_is_typed_recorded_and_replayed() {
     let folder = tempfile::tempdir().unwrap();
@@ -48,13 +61,7 @@ fn a_line_that_a_killed_writer_has_cut_is_no_reading() {
         (last.trim_end(), "1 invalid packet (1 truncated)"),
         ("", "10 readings"),
     ] {
-        let mut program = ademan(["run", "--source", "stdin:?protocol=text-line"])
-            .stdin(Stdio::piped())
-            .stderr(Stdio::piped())
-            .stdout(Stdio::null())
-            .spawn()
-            .expect("the program starts");
-        let mut stdin = program.stdin.take().expect("it is piped");
+        let (program, mut stdin) = reading_lines();
         stdin
             .write_all(format!("{whole}{cut}").as_bytes())
             .expect("it is read");
@@ -68,14 +75,7 @@ fn a_line_that_a_killed_writer_has_cut_is_no_reading() {
 
 #[test]
 fn text_lines_on_the_standard_input_are_typed() {
-    let source = "stdin:?protocol=text-line";
-    let mut program = ademan(["run", "--source", source, "--output", "transcript"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    let mut stdin = program.stdin.take().expect("it is piped");
+    let (program, mut stdin) = reading_lines();
     let start = Instant::now();
     for (index, line) in text_lines(TYPED).iter().enumerate() {
         let due = Duration::from_micros(5_729 * index as u64);
@@ -92,13 +92,7 @@ fn text_lines_on_the_standard_input_are_typed() {
 
 #[test]
 fn bytes_without_a_line_end_are_named_and_fail() {
-    let mut program = ademan(["run", "--source", "stdin:?protocol=text-line"])
-        .stdin(Stdio::piped())
-        .stderr(Stdio::piped())
-        .stdout(Stdio::null())
-        .spawn()
-        .expect("the program starts");
-    let mut stdin = program.stdin.take().expect("it is piped");
+    let (mut program, mut stdin) = reading_lines();
     let unended = text_lines(TYPED)[0].replace('\n', "\r");
     let sender = std::thread::spawn(move || {
         while stdin.write_all(unended.as_bytes()).is_ok() {

@@ -17,6 +17,37 @@ use crate::support::x11::{XServer, wait_for};
 
 const ATTEMPTS: usize = 5;
 
+/// A run that holds two keys on a server, and the runtime folder of the user.
+struct Holding {
+    program: Program,
+    glove: Glove,
+    runtime: TempDir,
+    server: XServer,
+}
+
+impl Holding {
+    /// Starts a run and presses the keys. Returns `None` without an X server.
+    fn start() -> Option<Self> {
+        let server = XServer::start()?;
+        let press = Press::for_text("H");
+        // Real users have a runtime folder in memory; with it the loop writes the keys.
+        let runtime = tempfile::tempdir_in("/dev/shm").expect("a folder in memory");
+        let port = runtime.path().join("glove");
+        let glove = Glove::plug_in(&port, press.clear());
+        let source = format!("serial:{}", port.display());
+        let run = ademan(["run", "--output", "desktop", "--source", &source]);
+        let program = Program::from_command(in_session(run, &server, runtime.path()));
+        program.wait_for_line("armed", 1);
+        hold(&server, &program, &glove, &press, &held_keys());
+        Some(Self {
+            program,
+            glove,
+            runtime,
+            server,
+        })
+    }
+}
+
 /// A server on which a killed run has left keys pressed, and the runtime folder of the user.
 struct Killed {
     server: XServer,
@@ -55,17 +86,12 @@ impl Killed {
     }
 
     fn attempt() -> Option<Self> {
-        let server = XServer::start()?;
-        let press = Press::for_text("H");
-        // Real users have a runtime folder in memory; with it the loop writes the keys.
-        let runtime = tempfile::tempdir_in("/dev/shm").expect("a folder in memory");
-        let port = runtime.path().join("glove");
-        let glove = Glove::plug_in(&port, press.clear());
-        let source = format!("serial:{}", port.display());
-        let run = ademan(["run", "--output", "desktop", "--source", &source]);
-        let mut program = Program::from_command(in_session(run, &server, runtime.path()));
-        program.wait_for_line("armed", 1);
-        hold(&server, &program, &glove, &press, &held_keys());
+        let Holding {
+            mut program,
+            glove,
+            runtime,
+            server,
+        } = Holding::start()?;
         let [watchdog] = program.children()[..] else {
             panic!("one child: {:?}", program.children());
         };
@@ -94,24 +120,16 @@ impl Killed {
 
 #[test]
 fn the_watchdog_leaves_no_record_of_keys_that_it_has_released() {
-    let Some(server) = XServer::start() else {
+    let Some(mut holding) = Holding::start() else {
         return;
     };
-    let press = Press::for_text("H");
-    let runtime = tempfile::tempdir_in("/dev/shm").expect("a folder in memory");
-    let port = runtime.path().join("glove");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
-    let run = ademan(["run", "--output", "desktop", "--source", &source]);
-    let mut program = Program::from_command(in_session(run, &server, runtime.path()));
-    program.wait_for_line("armed", 1);
-    hold(&server, &program, &glove, &press, &held_keys());
-    assert_eq!(records(runtime.path()).len(), 1);
-    program.signal(&["KILL"]);
-    assert_eq!(program.wait_for_exit().code(), None);
-    let is_gone = || records(runtime.path()).is_empty();
-    assert!(wait_for(is_gone), "{:?}", records(runtime.path()));
-    assert!(server.pressed_keys().is_empty());
+    let runtime = holding.runtime.path();
+    assert_eq!(records(runtime).len(), 1);
+    holding.program.signal(&["KILL"]);
+    assert_eq!(holding.program.wait_for_exit().code(), None);
+    let is_gone = || records(runtime).is_empty();
+    assert!(wait_for(is_gone), "{:?}", records(runtime));
+    assert!(holding.server.pressed_keys().is_empty());
 }
 
 /// The unit executes the command after each run.

@@ -194,3 +194,112 @@ fn add_fingers(fingers: &Estimate, estimate: &mut Estimate) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::Sample;
+    use crate::estimate::{EstimatorSettings, Smoothing};
+    use crate::hand::Finger;
+
+    /// A hand at rest, of whose angles one may jump with each reading.
+    struct Hand {
+        estimator: FusedEstimator,
+        time: Timestamp,
+        /// The angles that each part measures.
+        measured: [&'static [Dof]; HandPart::COUNT],
+    }
+
+    impl Hand {
+        fn new(arm: &'static [Dof], fingers: &'static [Dof]) -> Self {
+            let settings = EstimatorSettings {
+                smoothing: Smoothing::Off,
+                ..EstimatorSettings::default()
+            };
+            let part = || Estimator::new(settings);
+            Self {
+                estimator: FusedEstimator::new(part(), part(), Duration::from_millis(200)),
+                time: Timestamp::default(),
+                measured: [arm, fingers],
+            }
+        }
+
+        /// Takes readings of both parts for a second, in which an angle of one of them is loose. Returns the last estimate, and
+        /// `true` if one jumped.
+        fn take_second(&mut self, loose: Option<(HandPart, Dof)>) -> (Estimate, bool) {
+            let mut jumped = false;
+            for number in 0..200 {
+                self.time.0 += 5_000;
+                let part = HandPart::ALL[number % HandPart::COUNT];
+                let mut angles = JointAngles::default();
+                for &dof in self.measured[part.index()] {
+                    let is_off = loose == Some((part, dof)) && number / 2 % 2 == 1;
+                    angles.set(dof, if is_off { 1.0 } else { 0.1 });
+                }
+                let mut reading = Reading::new(self.time, None, Sample::Angles { angles });
+                reading.part = Some(part);
+                jumped |= self
+                    .estimator
+                    .update(&reading)
+                    .is_ok_and(|estimate| estimate.jumped);
+            }
+            (self.estimator.estimate, jumped)
+        }
+    }
+
+    #[test]
+    fn an_unreliable_angle_of_the_arm_leaves_the_hand_nowhere_until_it_is_back() {
+        let wrist = Dof::WristFlexion;
+        // The second source of the fingers measures the wrist, too.
+        for fingers in [
+            &[Dof::IndexMcpFlexion] as &[Dof],
+            &[Dof::IndexMcpFlexion, Dof::WristFlexion],
+        ] {
+            let mut hand = Hand::new(&[Dof::ElbowFlexion, Dof::WristFlexion], fingers);
+            let (rest, _) = hand.take_second(None);
+            assert!(rest.is_placed && rest.untrusted == FingerSet::NONE);
+            let (loose, _) = hand.take_second(Some((HandPart::Arm, wrist)));
+            assert!(!loose.is_placed);
+            assert_eq!(loose.angles.is_known(wrist), fingers.contains(&wrist));
+            assert!(loose.angles.is_known(Dof::ElbowFlexion));
+            assert!(loose.angles.is_known(Dof::IndexMcpFlexion));
+            let implausible = hand.estimator.implausible();
+            assert!(implausible.angles.contains(wrist) && implausible.concerns_hand());
+            let (repaired, jumped) = hand.take_second(None);
+            assert!(repaired.is_placed && jumped);
+            assert_eq!(repaired.angles, rest.angles);
+        }
+    }
+
+    #[test]
+    fn an_unreliable_angle_of_the_arm_that_the_source_of_the_fingers_measures_leaves_no_finger_trusted()
+     {
+        let wrist = Dof::WristFlexion;
+        let mut hand = Hand::new(
+            &[Dof::ElbowFlexion],
+            &[Dof::IndexMcpFlexion, Dof::WristFlexion],
+        );
+        let (rest, _) = hand.take_second(None);
+        assert!(rest.angles.is_known(wrist));
+        let (loose, _) = hand.take_second(Some((HandPart::Fingers, wrist)));
+        assert_eq!(loose.untrusted, FingerSet::ALL);
+        assert!(!loose.angles.is_known(wrist));
+        let (repaired, jumped) = hand.take_second(None);
+        assert!(repaired.untrusted == FingerSet::NONE && jumped);
+        assert_eq!(repaired.angles, rest.angles);
+    }
+
+    #[test]
+    fn an_unreliable_angle_of_a_finger_concerns_that_finger_only() {
+        let mut hand = Hand::new(
+            &[Dof::ElbowFlexion],
+            &[Dof::IndexMcpFlexion, Dof::MiddleMcpFlexion],
+        );
+        hand.take_second(None);
+        let (loose, _) = hand.take_second(Some((HandPart::Fingers, Dof::IndexMcpFlexion)));
+        assert_eq!(loose.untrusted, FingerSet::NONE.with(Finger::Index));
+        assert!(loose.is_placed);
+        assert!(!loose.angles.is_known(Dof::IndexMcpFlexion));
+        assert!(loose.angles.is_known(Dof::MiddleMcpFlexion));
+    }
+}

@@ -211,3 +211,81 @@ impl fmt::Display for Zeroed {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::{Reading, Sample};
+    use crate::estimate::{Estimate, Estimator, EstimatorSettings, Smoothing};
+
+    const LOOSE: Dof = Dof::IndexMcpFlexion;
+    const STILL: Dof = Dof::MiddleMcpFlexion;
+
+    /// A hand that rests with two joints at 0.1 rad, whose rest pose is 0.
+    struct Hand {
+        estimator: Estimator,
+        time: Timestamp,
+    }
+
+    impl Hand {
+        fn new() -> Self {
+            let mut rest_pose = JointAngles::default();
+            rest_pose.set(LOOSE, 0.0);
+            rest_pose.set(STILL, 0.0);
+            Self {
+                estimator: Estimator::new(EstimatorSettings {
+                    smoothing: Smoothing::Off,
+                    rest_pose,
+                    ..EstimatorSettings::default()
+                }),
+                time: Timestamp::default(),
+            }
+        }
+
+        /// Rests for a second, and returns the last estimate.
+        fn rest(&mut self, is_loose: bool) -> Estimate {
+            let mut last = None;
+            for number in 0..100 {
+                self.time.0 += 10_000;
+                let mut angles = JointAngles::default();
+                let is_off = is_loose && number % 2 == 1;
+                angles.set(LOOSE, if is_off { 1.0 } else { 0.1 });
+                angles.set(STILL, 0.1);
+                let reading = Reading::new(self.time, None, Sample::Angles { angles });
+                last = self.estimator.update(&reading).ok().copied();
+            }
+            last.expect("an accepted reading")
+        }
+    }
+
+    #[test]
+    fn an_angle_that_is_unreliable_is_not_zeroed_and_the_others_are() {
+        let mut hand = Hand::new();
+        hand.rest(false);
+        let loose = hand.rest(true);
+        assert!(!loose.angles.is_known(LOOSE));
+        hand.estimator.zero().expect("a still hand");
+        let zeroed = hand.estimator.zeroed().expect("an offset");
+        assert_eq!((zeroed.count, zeroed.largest), (1, STILL));
+        let repaired = hand.rest(false).angles;
+        assert_eq!(repaired.get(LOOSE), 0.1);
+        assert!(repaired.get(STILL).abs() < 1e-9);
+        // It is trusted only near the end of that second.
+        hand.rest(false);
+        hand.estimator.zero().expect("a still hand");
+        let zeroed_again = hand.estimator.zeroed().expect("offsets");
+        assert_eq!(zeroed_again.count, 2);
+    }
+
+    #[test]
+    fn the_offset_of_an_angle_that_becomes_unreliable_stays() {
+        let mut hand = Hand::new();
+        hand.rest(false);
+        hand.estimator.zero().expect("a still hand");
+        hand.rest(true);
+        hand.estimator.zero().expect("the other angles are still");
+        assert_eq!(hand.estimator.zeroed().map(|zeroed| zeroed.count), Some(2));
+        let repaired = hand.rest(false).angles;
+        assert!(repaired.get(LOOSE).abs() < 1e-9);
+    }
+}

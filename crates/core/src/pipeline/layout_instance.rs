@@ -402,3 +402,73 @@ fn release_hand(
     }
     output.arbiter.emit_changes(time, output.events);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Presses;
+    use crate::device::{Capabilities, EventKind, KeyAction, OutputEvent, PressSource};
+    use crate::estimate::Estimate;
+    use crate::hand::JointAngles;
+
+    /// Presses A in its first step, and releases it in the second one, which it fills with movements.
+    #[derive(Default)]
+    struct Button {
+        steps: usize,
+    }
+
+    impl VirtualDevice for Button {
+        fn add_capabilities(&self, _: &mut Capabilities) {}
+
+        fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
+            let (time, source) = (input.pose.time, PressSource::Part(TargetId(0), 0));
+            self.steps += 1;
+            match self.steps {
+                1 => {
+                    let key = KeyAction::Key("A".parse().expect("a key"));
+                    assert!(out.arbiter.press(source, key, time, out.events));
+                }
+                2 => {
+                    let kind = EventKind::MoveBy(1, 0);
+                    while out.events.try_push(OutputEvent { time, kind }).is_ok() {}
+                    out.arbiter.release(|other| other == source);
+                }
+                _ => return,
+            }
+            out.arbiter.emit_changes(time, out.events);
+        }
+
+        fn release_all(&mut self, _: Timestamp, _: &mut DeviceOutput) {}
+    }
+
+    #[test]
+    fn a_layout_without_a_keyboard_releases_in_the_next_step_what_had_no_room() {
+        let devices: Vec<Box<dyn VirtualDevice>> = vec![Box::new(Button::default())];
+        let mut layout = LayoutInstance::new(Scene::new(), TargetNames::default(), devices);
+        let keys_of_step = |ms: u64| {
+            let time = Timestamp(ms * 1_000);
+            let mut step = StepOutput {
+                estimate: Estimate::new(time, JointAngles::default()),
+                pose: HandPose::new(time, Side::Right, 0.006),
+                bends: FingerBends::default(),
+                touches: Touches::new(),
+                presses: Presses::new(),
+                commands: TimedCommands::new(),
+            };
+            let rules = PressRules {
+                pointer_only: [false; Side::COUNT],
+                sequence_gap: Duration::ZERO,
+            };
+            let mut events = Events::new();
+            layout.update_devices(&mut step, rules, &mut events);
+            let keys = events.iter().filter_map(|event| match event.kind {
+                EventKind::KeyDown(key) => Some(format!("+{key}")),
+                EventKind::KeyUp(key) => Some(format!("-{key}")),
+                _ => None,
+            });
+            keys.collect::<String>()
+        };
+        assert_eq!([10, 20, 30, 40].map(keys_of_step), ["+A", "", "-A", ""]);
+        assert!(!layout.is_in_use());
+    }
+}

@@ -58,6 +58,7 @@ pub(super) struct LayoutFollower {
     feed: LayoutFeed,
     /// The last version that the hand has seen.
     seen: u64,
+    /// `true` if the hand has lifted for the change that it has seen.
     has_lifted: bool,
 }
 
@@ -140,11 +141,15 @@ impl LayoutFollower {
         })
     }
 
+    /// Returns `true` if nothing has changed since the hand looked. While the state is locked, nothing does.
+    fn is_current(&self) -> bool {
+        self.seen == self.feed.0.version.load(Ordering::Acquire)
+    }
+
     /// Reports that the hand has lifted for the present change.
     pub(super) fn report_lifted(&mut self) {
         let mut state = lock(&self.feed.0.state);
-        let is_current = self.seen == self.feed.0.version.load(Ordering::Acquire);
-        if state.is_changing && is_current && !self.has_lifted {
+        if state.is_changing && self.is_current() && !self.has_lifted {
             self.has_lifted = true;
             state.lifted += 1;
             self.feed.0.lifted.notify_all();
@@ -163,8 +168,8 @@ impl Drop for LayoutFollower {
     fn drop(&mut self) {
         let mut state = lock(&self.feed.0.state);
         state.hands -= 1;
-        if self.has_lifted {
-            state.lifted = state.lifted.saturating_sub(1);
+        if self.has_lifted && self.is_current() {
+            state.lifted -= 1;
         }
         self.feed.0.lifted.notify_all();
     }
@@ -178,4 +183,33 @@ impl fmt::Debug for LayoutFeed {
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_that_goes_counts_only_for_the_change_that_it_has_seen() {
+        let feed = LayoutFeed::default();
+        let first = feed.begin_change();
+        let mut late = feed.follow();
+        assert!(matches!(late.news(), Some(LayoutNews::Changing)));
+        late.report_lifted();
+        drop(first);
+
+        let second = feed.begin_change();
+        let mut hand = feed.follow();
+        assert!(matches!(hand.news(), Some(LayoutNews::Changing)));
+        hand.report_lifted();
+        drop(late);
+        let count = || {
+            let state = lock(&feed.0.state);
+            (state.lifted, state.hands)
+        };
+        assert_eq!(count(), (1, 1), "the hand that is left has lifted");
+        drop(hand);
+        assert_eq!(count(), (0, 0), "it no longer counts");
+        drop(second);
+    }
 }

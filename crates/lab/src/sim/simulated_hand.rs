@@ -126,12 +126,7 @@ impl SimulatedHand {
             if self.movements.len() == 0 {
                 return Progress::Finished;
             }
-            let is_last = actions >= self.action_ends.len();
-            // The first movement shows the hand before the first action.
-            let end = actions.checked_sub(1).map_or(1, |last| {
-                self.action_ends[last.min(self.action_ends.len() - 1)]
-            });
-            if !is_last && self.begun >= end {
+            if self.waits_within(actions) {
                 return Progress::Waiting;
             }
             self.begin();
@@ -148,6 +143,17 @@ impl SimulatedHand {
             self.packet = 0;
         }
         Progress::Moved
+    }
+
+    /// Returns `true` if the next movement is beyond the first `actions` actions, and another action follows them.
+    fn waits_within(&self, actions: usize) -> bool {
+        if actions >= self.action_ends.len() {
+            return false;
+        }
+        // The first movement shows the hand before the first action.
+        let last = actions.checked_sub(1);
+        let end = last.map_or(1, |last| self.action_ends[last]);
+        self.begun >= end
     }
 
     fn begin(&mut self) {
@@ -268,5 +274,38 @@ impl SimulatedHand {
                 sample
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hand::Side;
+    use crate::kinematics::BoneLengths;
+    use crate::layout::Person;
+    use crate::sim::motor::TypingKeys;
+
+    #[test]
+    fn a_hand_that_has_movements_but_no_action_moves_on() {
+        let bones = BoneLengths::from_hand_and_forearm(0.18, 0.25).expect("lengths");
+        let arm = ArmModel::anthropometric(Side::Right, &bones).expect("an arm");
+        let settings = TypistSettings {
+            name: "hand".to_owned(),
+            packet_period: Duration::from_millis(10),
+            noise: 0.0,
+            seed: 0,
+            person: Person::default(),
+            keys: TypingKeys::default(),
+        };
+        let actions = [HandAction::Wait(Duration::from_millis(50))];
+        let sensor = Sensor::Joints(JointSensor::Angles);
+        let mut hand = SimulatedHand::new(&settings, &actions, &Scene::new(), &arm, sensor)
+            .expect("a plan of movements");
+        hand.action_ends.clear();
+        assert!(hand.has_movements());
+        while hand.has_movements() {
+            assert_eq!(hand.advance(1), Progress::Moved);
+        }
+        assert_eq!(hand.advance(1), Progress::Finished);
     }
 }

@@ -34,6 +34,12 @@ mod unsupported;
 #[cfg(not(unix))]
 use unsupported as system;
 
+/// The most symbolic links, one behind the other, that lead to a file: as many as Linux follows.
+const MAX_LINKS: usize = 40;
+
+/// The number of attempts to open a file that other programs replace at the same time.
+const MAX_OPEN_ATTEMPTS: usize = 5;
+
 /// Reason why a file is not opened.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
@@ -46,6 +52,15 @@ pub enum FileError {
     /// The path is a symbolic link.
     #[error("this is a symbolic link, name the file itself")]
     IsLink,
+    /// The path leads through too many symbolic links.
+    #[error(
+        "more than {} symbolic links lead to this file, or they lead in a circle; name the file itself",
+        MAX_LINKS
+    )]
+    TooManyLinks,
+    /// Each time that the file was opened, another one had taken its place.
+    #[error("another program replaces this file again and again; end it and try again")]
+    KeepsChanging,
     /// A new file is to be created, and there is something at its path.
     #[error("the file exists; choose another name or remove it")]
     Exists,
@@ -94,16 +109,27 @@ pub fn open_regular(path: &Path) -> Result<File, FileError> {
 }
 
 /// Opens a file for reading that decides what is typed: a layout, a setup, a glove, an arm or a script. Only this user and root
-/// may own it, write it, or replace it by another file in its folder. In a folder with the sticky bit, such as `/tmp`, only
-/// the owner of a file replaces it.
+/// may own it, write it, or replace it by another file in its folder, nor any link that leads to it. In a folder with the sticky bit,
+/// such as `/tmp`, only the owner of a file replaces it.
 pub fn open_trusted(path: &Path) -> Result<File, FileError> {
-    let file = open_regular(path)?;
-    system::check_writers(&file.metadata()?)?;
-    // A link in one folder may lead to a file in another one.
-    for folder in [folder_of(path), folder_of(&fs::canonicalize(path)?)] {
-        system::check_folder_writers(&fs::metadata(folder)?)?;
+    for _ in 0..MAX_OPEN_ATTEMPTS {
+        if let Some(file) = open_checked(path, &system::check_way(path)?)? {
+            return Ok(file);
+        }
     }
-    Ok(file)
+    Err(FileError::KeepsChanging)
+}
+
+/// Opens the file that [`check_way`](system::check_way) has found at a path. Returns `None` if another one has taken its place, as
+/// when an editor saves.
+fn open_checked(path: &Path, found: &Metadata) -> Result<Option<File>, FileError> {
+    let file = open_regular(path)?;
+    let metadata = file.metadata()?;
+    if !system::is_same_file(found, &metadata) {
+        return Ok(None);
+    }
+    system::check_writers(&metadata)?;
+    Ok(Some(file))
 }
 
 /// Opens a file with a secret for reading: a regular file of this user that no one else can access.

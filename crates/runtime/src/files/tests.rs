@@ -154,6 +154,35 @@ fn a_file_is_trusted_if_no_other_user_can_write_or_replace_it() {
 }
 
 #[test]
+fn no_link_on_the_way_to_a_trusted_file_can_be_replaced_by_others() {
+    let folder = Folder::new();
+    let shared = folder.at("shared");
+    fs::create_dir(&shared).unwrap();
+    let file = folder.file("layout", 0o644);
+    symlink("../layout", shared.join("between")).unwrap();
+    let first = folder.at("first");
+    symlink("shared/between", &first).unwrap();
+    for (mode, is_trusted) in [(0o755, true), (0o777, false), (0o1777, true)] {
+        fs::set_permissions(&shared, Permissions::from_mode(mode)).unwrap();
+        assert_eq!(open_trusted(&first).is_ok(), is_trusted, "{mode:o}");
+    }
+    fs::remove_file(&file).unwrap();
+    symlink("first", &file).unwrap();
+    assert!(matches!(open_trusted(&first), Err(FileError::TooManyLinks)));
+}
+
+#[test]
+fn a_file_that_takes_the_place_of_a_checked_one_is_not_opened() {
+    let folder = Folder::new();
+    let path = folder.file("layout", 0o644);
+    let found = system::check_way(&path).unwrap();
+    assert!(open_checked(&path, &found).unwrap().is_some());
+    fs::rename(folder.file("other", 0o644), &path).unwrap();
+    assert!(open_checked(&path, &found).unwrap().is_none());
+    assert!(open_trusted(&path).is_ok(), "it is checked again");
+}
+
+#[test]
 fn a_new_file_replaces_none_and_is_not_created_through_a_link() {
     let folder = Folder::new();
     let file = folder.file("file", 0o644);

@@ -12,7 +12,7 @@ use rustix::fs::{
 use rustix::io::Errno;
 use rustix::process::{getegid, geteuid};
 
-use super::FileError;
+use super::{FileError, MAX_LINKS, folder_of};
 
 const OWNER_ONLY: u32 = 0o600;
 
@@ -124,13 +124,34 @@ pub fn check_writers(metadata: &Metadata) -> Result<(), FileError> {
     }
 }
 
+/// Follows the links at a path to a file, and checks that no other user can replace one of them or the file. Returns what describes
+/// the file.
+pub fn check_way(path: &Path) -> Result<Metadata, FileError> {
+    let mut place = path.to_path_buf();
+    for _ in 0..=MAX_LINKS {
+        let metadata = fs::symlink_metadata(&place)?;
+        check_folder_writers(&fs::metadata(folder_of(&place))?)?;
+        if !metadata.is_symlink() {
+            return Ok(metadata);
+        }
+        // A link is relative to its folder.
+        place = folder_of(&place).join(fs::read_link(&place)?);
+    }
+    Err(FileError::TooManyLinks)
+}
+
 /// Checks that only the user of this process and root can replace their files in a folder.
-pub fn check_folder_writers(metadata: &Metadata) -> Result<(), FileError> {
+fn check_folder_writers(metadata: &Metadata) -> Result<(), FileError> {
     if is_writable_by_others(metadata) && metadata.mode() & STICKY == 0 {
         Err(FileError::OthersMayReplace)
     } else {
         Ok(())
     }
+}
+
+/// Returns `true` if both describe the same file.
+pub fn is_same_file(one: &Metadata, other: &Metadata) -> bool {
+    (one.dev(), one.ino()) == (other.dev(), other.ino())
 }
 
 /// Returns `true` if others than the owner may write. The group with the number of the user is the user's own: many systems

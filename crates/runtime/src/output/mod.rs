@@ -76,7 +76,7 @@ pub fn find_backend(name: &str) -> Result<&'static Backend, UnknownName> {
 /// Number of times an output repeats a call that the operating system rejected.
 const RETRIES: usize = 3;
 
-/// Delay before each repetition.
+/// Delay before each repetition, in threads that may wait and at the end of a run.
 const RETRY_DELAY: Duration = Duration::from_millis(10);
 
 /// A kind of output.

@@ -88,7 +88,7 @@ pub use self::layout_trial::{LayoutTrial, TrialOutcome};
 pub use self::notice::{ImplausibleParts, Notice, counted};
 pub use self::options::{ControlSocket, NoticeReceiver, SessionOptions, WatchdogProgram};
 pub use self::replay::{first_view, replay};
-pub use self::reply::{LearnedSummary, Reply, RequestError, SessionStatus};
+pub use self::reply::{LearnedRanges, Reply, RequestError, SessionStatus};
 pub use self::run_pipeline::run_pipeline;
 pub use self::sensor_link::SensorLink;
 pub use self::write_failures::WriteFailures;

@@ -8,8 +8,7 @@ use ademan_core::estimate::LearnedRange;
 use ademan_core::message::escape_line;
 use ademan_core::pipeline::{CommandError, PipelineState};
 use ademan_core::snapshot::Stats;
-
-pub use ademan_text::filter::LearnedSummary as TypingSummary;
+use ademan_text::filter::LearnedSummary;
 
 /// Result of a command that succeeded.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,21 +69,21 @@ pub struct SessionStatus {
     /// Position of the cursor; `None` for a layout without a pointer and targets in space.
     pub cursor: Option<CursorPosition>,
     /// Ranges of sensors that were learned; `None` if none was.
-    pub learned: Option<LearnedSummary>,
+    pub learned: Option<LearnedRanges>,
     /// Knowledge of the text decoder about the person; `None` without a decoder.
-    pub typing: Option<TypingSummary>,
+    pub typing: Option<LearnedSummary>,
 }
 
 /// Summary of the ranges of sensors that were learned.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LearnedSummary {
+pub struct LearnedRanges {
     /// The number of channels whose range has widened.
     pub channels: usize,
     /// The channel whose range has widened most.
     pub largest: LearnedRange,
 }
 
-impl LearnedSummary {
+impl LearnedRanges {
     /// Summarizes ranges; `None` if there are none.
     pub(crate) fn new(ranges: impl Iterator<Item = LearnedRange>) -> Option<Self> {
         ranges.fold(None, |summary: Option<Self>, range| {

@@ -9,7 +9,7 @@
 //! | typing | character that ends a word, or a tap that most probably means one beside its key, and another text is likelier by the margin | corrected | the character, Backspaces, the new tail |
 //! | corrected | Backspace | restored | Backspaces, the tail that was typed; its words are learned |
 //! | a candidate was taken inside a word | Backspace | partial | Backspaces, the tail that was typed |
-//! | other | Backspace | typing | Backspace |
+//! | other | Backspace | typing, or partial inside a word behind a long text that is not final | Backspace |
 //! | typing | a swipe that began with the last letter | swiped | Backspace if its word starts otherwise, the word, a space |
 //! | swiped | Backspace | typing, or partial behind a word without a space | Backspaces for the word and its space |
 //! | any | pause, loss, stall, another key | partial, if inside a word | none; the person is learned, and nothing is pending any more |
@@ -61,6 +61,9 @@ pub enum Edit {
 pub const MAX_EDITS: usize = 84;
 /// At the end of a word, after this many taps, the text before is final.
 const SETTLED_TAPS: usize = 60;
+/// The most taps of which a Backspace takes back the last one, as all before it are decoded again in the same step: the taps of a text
+/// that becomes final at the end of its last word, which has 24 letters at most.
+const MAX_RETAKEN_TAPS: usize = SETTLED_TAPS + 24;
 
 /// A correction that one Backspace undoes.
 #[derive(Clone, Debug, Default)]
@@ -390,7 +393,11 @@ impl<'m> Corrector<'m> {
             .is_some_and(|last| !ends_word(last));
         if inside || !self.shown.is_empty() && self.shown == self.decoder.typed() {
             self.shown.pop();
-            self.decoder.untap();
+            if self.decoder.taps() > MAX_RETAKEN_TAPS {
+                self.drop_pending();
+            } else {
+                self.decoder.untap();
+            }
         } else {
             // Back in text that is final: what follows is the rest of a word.
             self.shown.clear();

@@ -213,7 +213,7 @@ impl KeyArbiter {
 mod tests {
     use super::*;
     use crate::contact::TargetId;
-    use crate::device::key_arbiter::words;
+    use crate::device::key_arbiter::{MODIFIER_COUNT, words};
     use crate::device::{EventKind, KeyAction, Latch, PressSource};
     use crate::hand::Finger;
 
@@ -399,5 +399,59 @@ mod tests {
         }
         arbiter.advance_sequence(&hand(Side::Right, 0), &mut events);
         assert_eq!(run(&mut arbiter, 10, 20), "10: +ControlLeft");
+    }
+
+    /// Returns a list with room for this number of events.
+    fn with_room(room: usize) -> Events {
+        let event = crate::device::OutputEvent {
+            time: Timestamp(0),
+            kind: EventKind::MoveBy(1, 0),
+        };
+        let mut events = Events::new();
+        while events.remaining_capacity() > room {
+            events.push(event);
+        }
+        events
+    }
+
+    #[test]
+    fn a_text_without_room_is_typed_whole_in_a_later_step() {
+        let mut arbiter = arbiter();
+        start(&mut arbiter);
+        run(&mut arbiter, 0, 1_090);
+        // One event less than the text and the room for releases take.
+        let full = with_room(2 + 1 + MODIFIER_COUNT);
+        let mut events = full.clone();
+        arbiter.advance_sequence(&hand(Side::Right, 1_090), &mut events);
+        assert_eq!(events, full);
+        assert_eq!(run(&mut arbiter, 1_100, 3_000), "1100: o k");
+    }
+
+    #[test]
+    fn a_text_of_the_person_without_room_does_not_end_it() {
+        let mut arbiter = arbiter().with_texts(vec!["ok".to_owned(), "x".repeat(40)]);
+        start(&mut arbiter);
+        assert_eq!(run(&mut arbiter, 0, 20), "0: +ControlLeft");
+        let full = with_room(40);
+        assert!(arbiter.has_room(&full));
+        let mut events = full.clone();
+        let (text, time) = (KeyAction::Text(TextId(1)), Timestamp(20_000));
+        assert!(!arbiter.press(finger(Side::Right, 1), text, time, &mut events));
+        assert_eq!(events, full);
+        assert!(!arbiter.has_press_from(finger(Side::Right, 1)));
+        assert_eq!(
+            run(&mut arbiter, 20, 3_000),
+            "30: +C, 60: -C -ControlLeft, 1090: o k"
+        );
+    }
+
+    #[test]
+    fn other_texts_keep_it() {
+        let mut arbiter = arbiter().with_texts(vec!["no".to_owned()]);
+        start(&mut arbiter);
+        assert_eq!(
+            run(&mut arbiter, 0, 3_000),
+            "0: +ControlLeft, 30: +C, 60: -C -ControlLeft, 1090: n o"
+        );
     }
 }

@@ -287,20 +287,31 @@ fn remove_stale(path: &Path) -> Result<(), SocketError> {
         Ok(metadata) if !metadata.file_type().is_socket() => Err(SocketError::other(
             "the file there is not a socket; use another path",
         )),
-        Ok(_) => match connect_to_any(path) {
-            Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {
-                Ok(fs::remove_file(path)?)
-            }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            // A server may listen there, and only this process cannot connect.
-            Err(error) if error.kind() != io::ErrorKind::TimedOut => {
-                Err(SocketError::Other(format!(
-                    "cannot tell whether a program listens there: {error}; remove the socket or use another path"
-                )))
-            }
-            // A server without the lock listens there.
-            _ => Err(SocketError::InUse),
-        },
+        Ok(_) => remove_if_refused(path, connect_to_any(path).map(drop)),
+    }
+}
+
+/// Removes a socket to which connections are refused, unless it has gone. Fails if a program may listen there.
+fn remove_if_refused(path: &Path, connected: io::Result<()>) -> Result<(), SocketError> {
+    let error = match connected {
+        // A server without the lock listens there.
+        Ok(()) => return Err(SocketError::InUse),
+        Err(error) => error,
+    };
+    let removed = match error.kind() {
+        io::ErrorKind::TimedOut => return Err(SocketError::InUse),
+        io::ErrorKind::ConnectionRefused => fs::remove_file(path),
+        io::ErrorKind::NotFound => Ok(()),
+        // A server may listen there, and only this process cannot connect.
+        _ => {
+            return Err(SocketError::Other(format!(
+                "cannot tell whether a program listens there: {error}; remove the socket or use another path"
+            )));
+        }
+    };
+    match removed {
+        Err(failure) if failure.kind() != io::ErrorKind::NotFound => Err(failure.into()),
+        _ => Ok(()),
     }
 }
 
@@ -402,6 +413,29 @@ mod tests {
         let error = Listener::open(&notes).err().unwrap().to_string();
         assert!(error.contains("not a socket"), "{error}");
         assert_eq!(fs::read_to_string(&notes).unwrap(), "mine");
+    }
+
+    #[test]
+    fn a_socket_that_vanishes_while_it_is_checked_needs_no_removal() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("c.sock");
+        let gone = connect_to_any(&path).map(drop);
+        assert!(remove_if_refused(&path, gone).is_ok());
+        let refused = || Err(io::ErrorKind::ConnectionRefused.into());
+        assert!(remove_if_refused(&path, refused()).is_ok());
+
+        let _server = UnixListener::bind(&path).unwrap();
+        for kind in [
+            io::ErrorKind::PermissionDenied,
+            io::ErrorKind::TimedOut,
+            io::ErrorKind::Other,
+        ] {
+            assert!(remove_if_refused(&path, Err(kind.into())).is_err());
+        }
+        assert!(remove_if_refused(&path, Ok(())).is_err());
+        assert!(path.exists(), "it may be in use");
+        assert!(remove_if_refused(&path, refused()).is_ok());
+        assert!(!path.exists());
     }
 
     #[test]

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::ProfileInfo;
 use crate::capture::{HeadsetStatus, InvalidPackets};
-use crate::session::reply::{LearnedSummary, SessionStatus, TypingSummary};
+use crate::session::reply::{LearnedRanges, SessionStatus};
 use crate::session::view::{PoseNumbers, View, ViewState, pose_numbers};
 use crate::trace::{command_json, event_json};
 use ademan_core::command::CommandOrigin;
@@ -15,6 +15,7 @@ use ademan_core::hand::Dof;
 use ademan_core::layout::Layout;
 use ademan_core::pipeline::{PipelineState, Suppressed};
 use ademan_core::snapshot::Stats;
+use ademan_text::filter::LearnedSummary;
 
 /// A line without the newline.
 pub(super) type JsonLine = Box<str>;
@@ -183,8 +184,8 @@ struct LearnedJson {
     percent: u8,
 }
 
-impl From<&LearnedSummary> for LearnedJson {
-    fn from(learned: &LearnedSummary) -> Self {
+impl From<&LearnedRanges> for LearnedJson {
+    fn from(learned: &LearnedRanges) -> Self {
         Self {
             channels: learned.channels,
             largest: learned.largest.dof,
@@ -202,8 +203,8 @@ struct TypingJson {
     words: usize,
 }
 
-impl From<&TypingSummary> for TypingJson {
-    fn from(typing: &TypingSummary) -> Self {
+impl From<&LearnedSummary> for TypingJson {
+    fn from(typing: &LearnedSummary) -> Self {
         // A negative zero has no meaning here.
         let rounded = |(x, y): (f32, f32)| [x, y].map(|value| (value * 10.0).round() / 10.0 + 0.0);
         Self {
@@ -325,8 +326,8 @@ mod tests {
             profile: 0,
             stats,
             cursor: None,
-            learned: LearnedSummary::new([learned(3, 0.02), learned(5, 0.11)].into_iter()),
-            typing: Some(TypingSummary {
+            learned: LearnedRanges::new([learned(3, 0.02), learned(5, 0.11)].into_iter()),
+            typing: Some(LearnedSummary {
                 taps: LearnedTaps {
                     taps: 411.6,
                     offset_mm: (1.26, -0.04),

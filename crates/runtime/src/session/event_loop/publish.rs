@@ -2,7 +2,7 @@
 
 use super::SessionLoop;
 use crate::capture::{CaptureError, Reading, SourceStats};
-use crate::session::reply::{LearnedSummary, SessionStatus};
+use crate::session::reply::{LearnedRanges, SessionStatus};
 use crate::text;
 use ademan_core::command::Command;
 use ademan_core::device::TimedCommand;
@@ -62,7 +62,7 @@ impl SessionLoop<'_> {
             profile: self.pipeline.active_profile(),
             stats: self.stats,
             cursor: self.pipeline.layout().cursor(),
-            learned: LearnedSummary::new(self.pipeline.learned_ranges()),
+            learned: LearnedRanges::new(self.pipeline.learned_ranges()),
             typing: self
                 .pipeline
                 .layout()

@@ -1,15 +1,15 @@
 //! A device with the state of its keys and axes.
 
-use std::{io, thread};
+use std::io;
 
 use arrayvec::ArrayVec;
 use evdev::{AbsoluteAxisCode, EventType, InputEvent, RelativeAxisCode};
 
 use super::node::{DeviceNode, MAX_EVENTS};
 use super::spec::{DeviceKind, DeviceSpec, POINTER_MAX, STICK_MAX, TRIGGER_MAX, axis_range};
+use crate::output::RETRIES;
 use crate::output::axis_state::AxisState;
 use crate::output::watchdog::DeviceHandle;
-use crate::output::{RETRIES, RETRY_DELAY};
 use ademan_core::device::pressed_keys::PressedKeys;
 use ademan_core::device::{Axis, DETENT, EventKind, KeyCode};
 
@@ -72,6 +72,10 @@ impl<N: DeviceNode> TrackedDevice<N> {
     }
 
     /// Sends the report. If that fails, everything that may be pressed stays in the state.
+    ///
+    /// It is repeated at once: the session loop, which must not wait, calls this, and waiting would not help. The kernel takes a report
+    /// whole, or refuses every one because the device is gone; a signal that interrupts a report is over by then (`uinput_write` in
+    /// drivers/input/misc/uinput.c).
     pub fn flush(&mut self) -> io::Result<()> {
         if self.report.is_empty() {
             return Ok(());
@@ -81,7 +85,6 @@ impl<N: DeviceNode> TrackedDevice<N> {
             if result.is_ok() {
                 break;
             }
-            thread::sleep(RETRY_DELAY);
             result = self.node.write_report(&self.report);
         }
         self.report.clear();

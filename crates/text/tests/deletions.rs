@@ -1,0 +1,40 @@
+//! Backspaces behind long texts.
+
+mod support;
+
+use ademan_text::Mode;
+use support::field::{Field, english};
+
+#[test]
+fn a_backspace_in_an_endless_word_leaves_the_rest_of_it_alone() {
+    let bytes = english();
+    for mode in [Mode::Suggest, Mode::Auto] {
+        let mut field = Field::new(&bytes, mode);
+        field.types(&"x".repeat(85));
+        field.backspace();
+        assert_eq!(field.text, "x".repeat(84));
+        let taps = field.corrector.decoder().taps();
+        assert_eq!(taps, 0, "none is decoded again");
+        assert!(field.corrector.is_inside_word());
+        let word = "x".repeat(84) + "teh ";
+        field.types("teh ");
+        assert_eq!(field.text, word, "the rest of a word is no word");
+        field.types("teh ");
+        let next = if mode == Mode::Auto { "the " } else { "teh " };
+        assert_eq!(field.text, word + next);
+    }
+}
+
+#[test]
+fn a_backspace_in_the_last_word_of_a_text_that_is_not_final_takes_its_tap_back() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    let sentence = "the cat sat ".repeat(4) + "the cat of ";
+    assert_eq!(sentence.len(), 59);
+    field.types(&sentence);
+    field.types("wisdmox");
+    field.backspace();
+    assert_eq!(field.corrector.decoder().taps(), 65);
+    field.types(" ");
+    assert_eq!(field.text, sentence + "wisdom ");
+}
