@@ -15,6 +15,9 @@ use ademan_core::layout::{FrontMark, Layout, MarkRole, MarkShape};
 /// The smallest label that can be read, in points.
 const MIN_LABEL_PT: f32 = 5.0;
 
+/// The part of the colour of missed strokes on a front with the most of them: its label stays readable.
+const HOTTEST: f32 = 0.75;
+
 /// Lines of a quarter of a disc and of a round corner.
 const ARC_STEPS: usize = 10;
 const CORNER_STEPS: usize = 3;
@@ -29,6 +32,8 @@ pub struct FrontView<'a> {
     pub colors: &'a SceneColors,
     /// The control is pressed.
     pub is_lit: bool,
+    /// The strength of the colour of missed strokes, 0..=1.
+    pub heat: f32,
 }
 
 /// Returns the marks on a front with the numbers of its values after its label, at a number of points per millimetre. Where a
@@ -60,6 +65,11 @@ pub fn add_marks(picture: &mut Picture, marks: &[FrontMark], view: &FrontView) {
         // A mark that is partly behind the eye is left out.
         let _ = add_mark(picture, mark, view);
     }
+}
+
+/// Returns the colour of a front on which a part of the strokes missed: 0 for none, 1 for the most.
+pub fn heated(front: Color, heat: f32, colors: &SceneColors) -> Color {
+    front.mix(colors.fault, HOTTEST * heat.clamp(0.0, 1.0))
 }
 
 /// Returns half the width of a disc or a box, and 0 for other marks.
@@ -156,11 +166,11 @@ impl FrontView<'_> {
         let colors = self.colors;
         match role {
             MarkRole::Well if self.is_lit => colors.lit,
-            MarkRole::Well => colors.key.mix(colors.key_side, 0.3),
+            MarkRole::Well => heated(colors.key.mix(colors.key_side, 0.3), self.heat, colors),
             MarkRole::Groove => colors.key_side,
             MarkRole::Handle => colors.label.mix(colors.key, 0.25),
             MarkRole::Cap if self.is_lit => colors.lit,
-            MarkRole::Cap => colors.key,
+            MarkRole::Cap => heated(colors.key, self.heat, colors),
             MarkRole::OnHandle => colors.key,
             MarkRole::Value => colors.ring,
             MarkRole::Scale => colors.label.mix(colors.key, 0.45),
@@ -218,6 +228,7 @@ mod tests {
             scale: 3.0,
             colors: &SceneColors::DARK,
             is_lit: true,
+            heat: 0.0,
         };
         assert_eq!(view.color(MarkRole::Cap), SceneColors::DARK.lit);
         assert_eq!(view.color(MarkRole::Label), SceneColors::DARK.lit_label);
@@ -256,6 +267,7 @@ mod tests {
                 scale: 8.0,
                 colors: &SceneColors::DARK,
                 is_lit: false,
+                heat: 0.0,
             };
             add_marks(&mut picture, &marks, &view);
             let texts = picture.labels.into_iter().map(|label| label.text);
@@ -280,6 +292,7 @@ mod tests {
                 scale: 3.0,
                 colors: &SceneColors::DARK,
                 is_lit: false,
+                heat: 0.0,
             };
             add_marks(&mut picture, &marks, &view);
             picture

@@ -11,7 +11,7 @@ use super::selection::Selection;
 use super::viewport::Viewport;
 use super::{Bounds, Item, ItemShape, group};
 use crate::fonts::{Fitted, fitted};
-use crate::marks::{FrontView, add_marks, half_width};
+use crate::marks::{FrontView, add_marks, half_width, heated};
 use crate::picture::{Color, Label, Picture, Triangles, disc, with_known_signs};
 use crate::scene::SceneColors;
 use ademan_core::layout::{FrontMark, MarkRole};
@@ -33,9 +33,6 @@ const FAULT: f32 = 3.0;
 
 /// The width of a well as a part of its item from which it hides the front.
 const HIDING: f32 = 0.8;
-
-/// The part of the colour in an item with the strongest one: its label stays readable.
-const HOTTEST: f32 = 0.75;
 
 /// Everything that the picture shows.
 pub struct CanvasScene<'a> {
@@ -213,9 +210,8 @@ impl Pen<'_> {
 
     fn add_item(&mut self, item: &Item, shape: &ItemShape, (look, heat): (Look, f32)) {
         let colors = self.colors;
-        let heated = colors.key.mix(colors.fault, HOTTEST * heat.clamp(0.0, 1.0));
         let (front, side) = match look {
-            Look::Plain => (heated, colors.key_side),
+            Look::Plain => (heated(colors.key, heat, colors), colors.key_side),
             Look::Selected => (colors.key.mix(colors.ring, 0.35), colors.ring),
             Look::Pressed => (colors.lit, colors.lit_side),
         };
@@ -233,12 +229,12 @@ impl Pen<'_> {
         if item.marks.is_empty() {
             self.add_label(item, shape, look)
         } else {
-            self.add_marks(item, shape, look)
+            self.add_marks(item, shape, (look, heat))
         }
     }
 
     /// Adds handle, scale and label of a control. While it is resized, they are stretched.
-    fn add_marks(&mut self, item: &Item, shape: &ItemShape, look: Look) {
+    fn add_marks(&mut self, item: &Item, shape: &ItemShape, (look, heat): (Look, f32)) {
         let viewport = *self.viewport;
         let size = self.size;
         let stretch = shape.half / item.shape.half;
@@ -251,6 +247,7 @@ impl Pen<'_> {
             scale: viewport.scale * stretch.min_element(),
             colors: self.colors,
             is_lit: look == Look::Pressed,
+            heat: if look == Look::Plain { heat } else { 0.0 },
         };
         // The selection is seen in the front, which a well of its size would hide.
         let hides_front = |mark: &FrontMark| {
@@ -364,8 +361,12 @@ fn add_plain_polygon(triangles: &mut Triangles, corners: &[Vec2], color: Color) 
 
 #[cfg(test)]
 mod tests {
+    use super::super::board::BoardItems;
     use super::super::tests::square;
     use super::*;
+    use crate::marks::heated as heated_front;
+    use ademan_core::layout::Layout;
+    use ademan_runtime::files::Load;
 
     const SIZE: Vec2 = Vec2::new(800.0, 500.0);
 
@@ -406,10 +407,35 @@ mod tests {
         let (plain, one) = (heated(&[]), heated(&[0.0, 1.0]));
         assert_eq!(plain, heated(&[0.0; 2]));
         assert_ne!(plain, one);
-        let hottest = SceneColors::LIGHT
-            .key
-            .mix(SceneColors::LIGHT.fault, HOTTEST);
+        let hottest = heated_front(SceneColors::LIGHT.key, 1.0, &SceneColors::LIGHT);
         assert!(one.contains(&hottest) && one.contains(&SceneColors::LIGHT.key));
+    }
+
+    #[test]
+    fn a_control_that_is_often_missed_has_the_colour_in_its_front() {
+        let layout = Layout::load("mixer").unwrap();
+        let controls = BoardItems::new(&layout, &layout.boards[0], 1.0).items;
+        let colors = &SceneColors::DARK;
+        let (nothing, still) = (Selection::default(), Preview::default());
+        for item in controls {
+            assert!(!item.marks.is_empty());
+            let viewport = Viewport {
+                center: item.shape.center,
+                scale: 8.0,
+            };
+            let area = |heat: f32| {
+                let scene = CanvasScene {
+                    heats: &[heat],
+                    ..CanvasScene::new(std::slice::from_ref(&item), &nothing, &still)
+                };
+                let picture = draw(&scene, &viewport, SIZE, colors);
+                let well = heated_front(colors.key.mix(colors.key_side, 0.3), heat, colors);
+                let vertices = picture.below.vertices.iter();
+                vertices.filter(|(_, color)| *color == well).count()
+            };
+            let (plain, hot) = (area(0.0), area(1.0));
+            assert!(hot > 0 && hot == plain, "{}: {plain} {hot}", item.label);
+        }
     }
 
     #[test]
