@@ -27,6 +27,7 @@
 //! - [`EditorTrial`] gives the text to the running session while it is edited.
 //! - An error of any of these is for the status line: it says what failed, why, and what to do.
 
+mod after;
 mod file;
 mod history;
 mod problems;

@@ -40,8 +40,8 @@ pub struct CanvasScene<'a> {
     pub items: &'a [Item],
     /// The selected ones.
     pub selected: &'a Selection,
-    /// Items with an error.
-    pub faulty: &'a [usize],
+    /// The outlines of items with an error.
+    pub faulty: &'a [ItemShape],
     /// The strengths of a colour over the items, 0..=1, in their order; items without one have none.
     pub heats: &'a [f32],
     /// Items that are pressed at present.
@@ -121,10 +121,8 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
             pen.add_item(item, shape, (look, heat));
         }
     }
-    for &index in scene.faulty {
-        if let Some(shape) = shapes.get(index) {
-            pen.add_fault(shape);
-        }
+    for shape in scene.faulty {
+        pen.add_fault(shape);
     }
     if let Some(item) = scene.selected.single().and_then(|it| scene.items.get(it)) {
         let index = scene.selected.single().unwrap_or_default();
