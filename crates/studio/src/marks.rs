@@ -167,7 +167,7 @@ impl FrontView<'_> {
         match role {
             MarkRole::Well if self.is_lit => colors.lit,
             MarkRole::Well => heated(colors.key.mix(colors.key_side, 0.3), self.heat, colors),
-            MarkRole::Groove => colors.key_side,
+            MarkRole::Groove => colors.groove,
             MarkRole::Handle => colors.label.mix(colors.key, 0.25),
             MarkRole::Cap if self.is_lit => colors.lit,
             MarkRole::Cap => heated(colors.key, self.heat, colors),
@@ -218,6 +218,7 @@ fn rounded(half: Vec2, radius: f32) -> Vec<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::THEMES;
     use crate::texts::{Language, set_language};
     use ademan_runtime::files::Load;
 
@@ -232,6 +233,25 @@ mod tests {
         };
         assert_eq!(view.color(MarkRole::Cap), SceneColors::DARK.lit);
         assert_eq!(view.color(MarkRole::Label), SceneColors::DARK.lit_label);
+    }
+
+    #[test]
+    fn a_handle_is_seen_on_its_track_in_every_theme() {
+        for (is_dark, has_high_contrast, _) in THEMES {
+            let colors = SceneColors::new(is_dark, has_high_contrast);
+            let view = FrontView {
+                to_screen: &|point| Some(point),
+                scale: 3.0,
+                colors: &colors,
+                is_lit: false,
+                heat: 0.0,
+            };
+            let groove = view.color(MarkRole::Groove);
+            // As the guidelines ask for graphics, and more where high contrast is asked for.
+            let least = if has_high_contrast { 7.0 } else { 3.0 };
+            let ratio = view.color(MarkRole::Handle).contrast(groove);
+            assert!(ratio >= least, "{is_dark} {has_high_contrast}: {ratio}");
+        }
     }
 
     #[test]
