@@ -9,12 +9,12 @@ use super::board::Fingertip;
 use super::gesture::Preview;
 use super::selection::Selection;
 use super::viewport::Viewport;
-use super::{Bounds, Item, ItemShape, group};
+use super::{Bounds, CORNERS, Item, ItemShape, group};
 use crate::fonts::{Fitted, fitted};
-use crate::marks::{FrontView, add_marks, half_width, heated};
+use crate::marks::{FrontView, add_marks, corner_steps, half_width, heated, rounded};
 use crate::picture::{Color, Label, Picture, Triangles, disc, with_known_signs};
 use crate::scene::SceneColors;
-use ademan_core::layout::{FrontMark, MarkRole};
+use ademan_core::layout::{FrontMark, MarkRole, MarkShape};
 
 /// Height of a label as a fraction of the smaller side of its item.
 const LABEL_HEIGHT: f32 = 0.36;
@@ -215,13 +215,16 @@ impl Pen<'_> {
         };
         let side_pt = shape.half.min_element() * 2.0 * self.viewport.scale;
         if side_pt < SMALL {
-            let outline = self.outline(shape, 0.0);
+            let outline = self.outline(shape, (0.0, 0.0));
             add_plain_polygon(&mut self.picture.below, &outline, front);
             return;
         }
         let edge = if look == Look::Selected { 2.0 } else { 1.2 };
-        let outer = self.outline(shape, 0.0);
-        let inner = self.outline(shape, edge);
+        // The corners are those of the well on it.
+        let stretch = (shape.half / item.shape.half).min_element();
+        let radius = corner_radius(item) * stretch;
+        let outer = self.outline(shape, (0.0, radius));
+        let inner = self.outline(shape, (edge, radius));
         self.picture.below.add_flat_polygon(&outer, side);
         self.picture.below.add_flat_polygon(&inner, front);
         if item.marks.is_empty() {
@@ -248,12 +251,9 @@ impl Pen<'_> {
             heat: if look == Look::Plain { heat } else { 0.0 },
         };
         // The selection is seen in the front, which a well of its size would hide.
-        let hides_front = |mark: &FrontMark| {
-            mark.role == MarkRole::Well && half_width(&mark.shape) > HIDING * item.shape.half.x
-        };
         let marks = item.marks.iter();
         let marks: Vec<FrontMark> = marks
-            .filter(|mark| look == Look::Plain || !hides_front(mark))
+            .filter(|mark| look == Look::Plain || !hides_front(item, mark))
             .cloned()
             .collect();
         add_marks(&mut self.picture, &marks, &view);
@@ -268,7 +268,7 @@ impl Pen<'_> {
             self.picture.above.add_ring(center, radius, FAULT, color);
             return;
         }
-        let corners = self.outline(shape, 0.0);
+        let corners = self.outline(shape, (0.0, 0.0));
         for (index, &from) in corners.iter().enumerate() {
             let to = corners[(index + 1) % corners.len()];
             let ends = [(from, color), (to, color)];
@@ -276,18 +276,21 @@ impl Pen<'_> {
         }
     }
 
-    /// Returns the outline on the screen, without an edge of a width in points.
-    fn outline(&self, shape: &ItemShape, edge: f32) -> Vec<Vec2> {
+    /// Returns the outline on the screen, without an edge of a width in points, with corners of a radius in millimetres.
+    fn outline(&self, shape: &ItemShape, (edge, radius): (f32, f32)) -> Vec<Vec2> {
         let inset = edge / self.viewport.scale;
         if shape.is_disc {
-            let radius = (shape.half.x - inset) * self.viewport.scale;
-            return disc(self.to_screen(shape.center), radius);
+            let on_screen = (shape.half.x - inset) * self.viewport.scale;
+            return disc(self.to_screen(shape.center), on_screen);
         }
-        let inner = ItemShape {
-            half: shape.half - inset,
-            ..*shape
+        let half = shape.half - inset;
+        let corners = match radius - inset {
+            inner if inner > 0.0 => rounded(half, inner, corner_steps(inner * self.viewport.scale)),
+            _ => CORNERS.map(|sign| sign * half).into(),
         };
-        inner.corners().map(|corner| self.to_screen(corner)).into()
+        let corners = corners.into_iter();
+        let on_board = corners.map(|corner| shape.center + shape.rotated(corner));
+        on_board.map(|corner| self.to_screen(corner)).collect()
     }
 
     fn add_label(&mut self, item: &Item, shape: &ItemShape, look: Look) {
@@ -336,6 +339,20 @@ impl Pen<'_> {
             let next = corners[(index + 1) % corners.len()];
             self.add_line(corners[index], next, 1.0, self.colors.ring);
         }
+    }
+}
+
+/// Returns `true` if a mark is a well that hides the front of its item.
+fn hides_front(item: &Item, mark: &FrontMark) -> bool {
+    mark.role == MarkRole::Well && half_width(&mark.shape) > HIDING * item.shape.half.x
+}
+
+/// Returns the radius of the corners of the well that hides the front of an item, in millimetres; 0 without one.
+fn corner_radius(item: &Item) -> f32 {
+    let mut wells = item.marks.iter().filter(|mark| hides_front(item, mark));
+    match wells.next().map(|well| &well.shape) {
+        Some(MarkShape::Box { radius, .. }) => *radius,
+        _ => 0.0,
     }
 }
 
