@@ -263,7 +263,7 @@ mod tests {
         assert_eq!(viewport.inner_size, Some(egui::vec2(1100.0, 700.0)));
         assert_eq!(viewport.position, Some(egui::pos2(100.0, 40.0)));
         let first = viewport_at(None, 1.0);
-        assert_eq!(first.inner_size, Some(WINDOW_SIZE.into()));
+        assert_eq!(first.inner_size, Some(egui::Vec2::from(WINDOW_SIZE)));
         assert_eq!(first.position, None);
     }
 
