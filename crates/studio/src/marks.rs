@@ -252,7 +252,7 @@ mod tests {
         });
         let rims: Vec<_> = rims.collect();
         assert!(rims.len() >= 2);
-        for scale in [2.0, 6.0] {
+        for scale in [2.0_f32, 6.0] {
             for (radius, mark) in &rims {
                 let mut picture = Picture::default();
                 let view = FrontView {
