@@ -6,7 +6,7 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 use parry3d::math::Vec2;
 
 use super::fonts::CAPITAL_HEIGHT;
-use super::picture::{Color, Label, Picture, with_known_signs};
+use super::picture::{Color, Label, Picture, disc_sides, with_known_signs};
 use super::scene::SceneColors;
 use super::texts::text_with;
 use ademan_core::contact::TargetId;
@@ -15,9 +15,12 @@ use ademan_core::layout::{FrontMark, Layout, MarkRole, MarkShape};
 /// The smallest label that can be read, in points.
 const MIN_LABEL_PT: f32 = 5.0;
 
-/// Lines of a quarter of a disc and of a round corner.
-const ARC_STEPS: usize = 10;
-const CORNER_STEPS: usize = 3;
+/// The part of the colour of missed strokes on a front with the most of them: its label stays readable.
+const HOTTEST: f32 = 0.75;
+
+/// The longest line of a round corner, in points, and the range of the number of its lines.
+const CORNER_LINE: f32 = 3.0;
+const CORNER_STEPS: (usize, usize) = (3, 32);
 
 /// The place of a front on the screen.
 pub struct FrontView<'a> {
@@ -29,6 +32,8 @@ pub struct FrontView<'a> {
     pub colors: &'a SceneColors,
     /// The control is pressed.
     pub is_lit: bool,
+    /// The strength of the colour of missed strokes, 0..=1.
+    pub heat: f32,
 }
 
 /// Returns the marks on a front with the numbers of its values after its label, at a number of points per millimetre. Where a
@@ -62,6 +67,11 @@ pub fn add_marks(picture: &mut Picture, marks: &[FrontMark], view: &FrontView) {
     }
 }
 
+/// Returns the colour of a front on which a part of the strokes missed: 0 for none, 1 for the most.
+pub fn heated(front: Color, heat: f32, colors: &SceneColors) -> Color {
+    front.mix(colors.fault, HOTTEST * heat.clamp(0.0, 1.0))
+}
+
 /// Returns half the width of a disc or a box, and 0 for other marks.
 pub fn half_width(shape: &MarkShape) -> f32 {
     match shape {
@@ -79,7 +89,8 @@ fn add_mark(picture: &mut Picture, mark: &FrontMark, view: &FrontView) -> Option
             radius,
             is_hollow,
         } => {
-            let corners = view.map(&circle(*center, *radius))?;
+            let sides = disc_sides(radius * view.scale);
+            let corners = view.map(&circle(*center, *radius, sides))?;
             if *is_hollow {
                 add_lines(picture, &corners, true, view.width(0.4), color);
             } else {
@@ -92,7 +103,7 @@ fn add_mark(picture: &mut Picture, mark: &FrontMark, view: &FrontView) -> Option
             radius,
             rotation,
         } => {
-            let outline = rounded(*half, *radius);
+            let outline = rounded(*half, *radius, corner_steps(radius * view.scale));
             let turned = outline.into_iter();
             let turned = turned.map(|at| *center + Vec2::from_angle(*rotation).rotate(at));
             let corners = view.map(&turned.collect::<Vec<_>>())?;
@@ -156,11 +167,11 @@ impl FrontView<'_> {
         let colors = self.colors;
         match role {
             MarkRole::Well if self.is_lit => colors.lit,
-            MarkRole::Well => colors.key.mix(colors.key_side, 0.3),
-            MarkRole::Groove => colors.key_side,
+            MarkRole::Well => heated(colors.key.mix(colors.key_side, 0.3), self.heat, colors),
+            MarkRole::Groove => colors.groove,
             MarkRole::Handle => colors.label.mix(colors.key, 0.25),
             MarkRole::Cap if self.is_lit => colors.lit,
-            MarkRole::Cap => colors.key,
+            MarkRole::Cap => heated(colors.key, self.heat, colors),
             MarkRole::OnHandle => colors.key,
             MarkRole::Value => colors.ring,
             MarkRole::Scale => colors.label.mix(colors.key, 0.45),
@@ -182,22 +193,27 @@ fn add_lines(picture: &mut Picture, points: &[Vec2], is_closed: bool, width: f32
     }
 }
 
-fn circle(center: Vec2, radius: f32) -> Vec<Vec2> {
-    let steps = 4 * ARC_STEPS;
-    let angle = |step: usize| step as f32 / steps as f32 * TAU;
-    (0..steps)
+fn circle(center: Vec2, radius: f32, sides: usize) -> Vec<Vec2> {
+    let angle = |step: usize| step as f32 / sides as f32 * TAU;
+    (0..sides)
         .map(|step| center + Vec2::from_angle(angle(step)) * radius)
         .collect()
 }
 
-/// Returns the outline of a rectangle with round corners around the origin.
-fn rounded(half: Vec2, radius: f32) -> Vec<Vec2> {
+/// Returns the number of lines with which a corner of a radius in points looks round.
+pub fn corner_steps(radius: f32) -> usize {
+    let lines = (radius * FRAC_PI_2 / CORNER_LINE) as usize;
+    lines.clamp(CORNER_STEPS.0, CORNER_STEPS.1)
+}
+
+/// Returns the outline of a rectangle with round corners of a number of lines around the origin.
+pub fn rounded(half: Vec2, radius: f32, steps: usize) -> Vec<Vec2> {
     let radius = radius.min(half.min_element());
     let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
-    let mut outline = Vec::with_capacity(corners.len() * (CORNER_STEPS + 1));
+    let mut outline = Vec::with_capacity(corners.len() * (steps + 1));
     for (corner, (x, y)) in corners.into_iter().enumerate() {
-        for step in 0..=CORNER_STEPS {
-            let turn = corner as f32 + step as f32 / CORNER_STEPS as f32;
+        for step in 0..=steps {
+            let turn = corner as f32 + step as f32 / steps as f32;
             let round = Vec2::from_angle(turn * FRAC_PI_2) * radius;
             outline.push(Vec2::new(x, y) * (half - radius) + round);
         }
@@ -208,6 +224,7 @@ fn rounded(half: Vec2, radius: f32) -> Vec<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::THEMES;
     use crate::texts::{Language, set_language};
     use ademan_runtime::files::Load;
 
@@ -218,9 +235,61 @@ mod tests {
             scale: 3.0,
             colors: &SceneColors::DARK,
             is_lit: true,
+            heat: 0.0,
         };
         assert_eq!(view.color(MarkRole::Cap), SceneColors::DARK.lit);
         assert_eq!(view.color(MarkRole::Label), SceneColors::DARK.lit_label);
+    }
+
+    #[test]
+    fn a_wheel_is_round_at_every_size_on_the_screen() {
+        let layout = Layout::load("steering-wheel").unwrap();
+        let wheel = layout.target_names().find("Wheel").unwrap();
+        let marks = layout.front_marks(wheel, |_| None).unwrap();
+        let rims = marks.into_iter().filter_map(|mark| match mark.shape {
+            MarkShape::Disc { radius, .. } => Some((radius, mark)),
+            _ => None,
+        });
+        let rims: Vec<_> = rims.collect();
+        assert!(rims.len() >= 2);
+        for scale in [2.0_f32, 6.0] {
+            for (radius, mark) in &rims {
+                let mut picture = Picture::default();
+                let view = FrontView {
+                    to_screen: &|point| Some(point * scale),
+                    scale,
+                    colors: &SceneColors::DARK,
+                    is_lit: false,
+                    heat: 0.0,
+                };
+                add_marks(&mut picture, std::slice::from_ref(mark), &view);
+                // No side of a polygon with so many of them is farther than a quarter of a point from its circle.
+                let sides = disc_sides(radius * scale) as f32;
+                let gap = radius * scale * (1.0 - (TAU / (2.0 * sides)).cos());
+                assert!(gap < 0.25, "{radius} mm: {gap}");
+                let corners = picture.below.vertices.len() as f32;
+                assert!(corners >= 2.0 * sides, "{corners} of {sides} sides");
+            }
+        }
+    }
+
+    #[test]
+    fn a_handle_is_seen_on_its_track_in_every_theme() {
+        for (is_dark, has_high_contrast, _) in THEMES {
+            let colors = SceneColors::new(is_dark, has_high_contrast);
+            let view = FrontView {
+                to_screen: &|point| Some(point),
+                scale: 3.0,
+                colors: &colors,
+                is_lit: false,
+                heat: 0.0,
+            };
+            let groove = view.color(MarkRole::Groove);
+            // As the guidelines ask for graphics, and more where high contrast is asked for.
+            let least = if has_high_contrast { 7.0 } else { 3.0 };
+            let ratio = view.color(MarkRole::Handle).contrast(groove);
+            assert!(ratio >= least, "{is_dark} {has_high_contrast}: {ratio}");
+        }
     }
 
     #[test]
@@ -256,6 +325,7 @@ mod tests {
                 scale: 8.0,
                 colors: &SceneColors::DARK,
                 is_lit: false,
+                heat: 0.0,
             };
             add_marks(&mut picture, &marks, &view);
             let texts = picture.labels.into_iter().map(|label| label.text);
@@ -280,6 +350,7 @@ mod tests {
                 scale: 3.0,
                 colors: &SceneColors::DARK,
                 is_lit: false,
+                heat: 0.0,
             };
             add_marks(&mut picture, &marks, &view);
             picture

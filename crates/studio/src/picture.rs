@@ -198,7 +198,7 @@ impl Triangles {
 }
 
 /// Returns the number of sides with which a disc of a radius in points looks round.
-fn disc_sides(radius: f32) -> usize {
+pub fn disc_sides(radius: f32) -> usize {
     let sides = (radius * TAU / DISC_SIDE) as usize;
     sides.clamp(DISC_SIDES.0, DISC_SIDES.1)
 }

@@ -76,6 +76,33 @@ fn an_overlap_locks_nothing_and_is_saved_on_request() {
 }
 
 #[test]
+fn problems_are_those_of_a_drag_while_it_lasts() {
+    let file = EditedFile::new("live.ron", TWO_KEYS);
+    let mut window = file.open();
+    let key = at(&window, 0.0, 0.0);
+    let move_to = |moved: &mut StudioWindow, x: f32| {
+        let pos = key + egui::vec2(x * SCALE, 0.0);
+        moved.harness.event(egui::Event::PointerMoved(pos));
+        moved.draw(3);
+    };
+    move_to(&mut window, 0.0);
+    window.harness.event(egui::Event::PointerButton {
+        pos: key,
+        button: egui::PointerButton::Primary,
+        pressed: true,
+        modifiers: egui::Modifiers::NONE,
+    });
+    window.draw(2);
+    for (x, overlaps) in [(10.0, false), (30.0, true), (12.0, false), (30.0, true)] {
+        move_to(&mut window, x);
+        assert_eq!(window.has_words("overlaps the key"), overlaps, "{x} mm");
+    }
+    press(&mut window, egui::Modifiers::NONE, egui::Key::Escape);
+    assert!(window.has(text("editor-no-problems")));
+    assert_eq!(file.text(), TWO_KEYS);
+}
+
+#[test]
 fn ten_quick_taps_are_ten_steps_of_the_grid() {
     let file = EditedFile::new("taps.ron", TWO_KEYS);
     let mut window = file.open();

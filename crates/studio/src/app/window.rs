@@ -61,8 +61,17 @@ impl eframe::App for Window<'_> {
     }
 }
 
+/// Returns `true` in the first picture, whose sizes are not yet in points of the scale of the window.
+fn is_first_picture(context: &egui::Context) -> bool {
+    context.cumulative_frame_nr() == 0
+}
+
 /// Shrinks a window that does not fit on its screen. Returns `true` once the size of the screen is known.
 fn fit_to_screen(context: &egui::Context) -> bool {
+    if is_first_picture(context) {
+        context.request_repaint();
+        return false;
+    }
     let (screen, is_filled) = context.input(|input| {
         let window = input.viewport();
         let is_filled = [window.maximized, window.fullscreen].contains(&Some(true));
@@ -93,16 +102,8 @@ pub fn open_window(
 ) -> Result<(), StudioError> {
     let settings = content.app().map(|app| app.settings().clone());
     let settings = settings.unwrap_or_default();
-    let (place, scale) = (settings.window, settings.scale);
-    let mut viewport = egui::ViewportBuilder::default()
-        .with_title(text("window-title"))
-        .with_app_id("ademan-studio")
-        .with_inner_size(place.map_or(WINDOW_SIZE, |place| place.size))
-        .with_min_inner_size(MIN_WINDOW_SIZE);
-    if let Some(position) = place.and_then(|place| place.position) {
-        viewport = viewport.with_position(position);
-    }
-    let options = window_options(viewport);
+    let scale = settings.scale;
+    let options = window_options(viewport_at(settings.window, scale));
     let window = Window {
         content,
         is_fitted: false,
@@ -115,6 +116,20 @@ pub fn open_window(
         Ok(Box::new(window))
     });
     run_window(text("window-title"), options, create)
+}
+
+/// Returns the window at its place, which is in points of a scale. The window is created before it has that scale.
+fn viewport_at(place: Option<WindowPlace>, scale: f32) -> egui::ViewportBuilder {
+    let scaled = |lengths: [f32; 2]| lengths.map(|length| length * scale);
+    let viewport = egui::ViewportBuilder::default()
+        .with_title(text("window-title"))
+        .with_app_id("ademan-studio")
+        .with_inner_size(scaled(place.map_or(WINDOW_SIZE, |place| place.size)))
+        .with_min_inner_size(MIN_WINDOW_SIZE);
+    match place.and_then(|place| place.position) {
+        Some(position) => viewport.with_position(scaled(position)),
+        None => viewport,
+    }
 }
 
 /// Shows a window until it is closed.
@@ -151,6 +166,9 @@ fn window_error(error: eframe::Error) -> StudioError {
 
 /// Returns position and size of a window that is neither maximized nor minimized.
 pub(super) fn place_of_window(context: &egui::Context) -> Option<WindowPlace> {
+    if is_first_picture(context) {
+        return None;
+    }
     context.input(|input| {
         let window = input.viewport();
         let is_placed_by_desktop = [window.maximized, window.minimized, window.fullscreen];
@@ -170,26 +188,83 @@ pub(super) fn place_of_window(context: &egui::Context) -> Option<WindowPlace> {
 mod tests {
     use super::*;
 
-    /// Returns the size that a window of this size asks for, if any.
-    fn asked(window: [f32; 2], screen: [f32; 2], is_maximized: bool) -> Option<egui::Vec2> {
-        let context = egui::Context::default();
-        let area = egui::Rect::from_min_size(egui::Pos2::ZERO, window.into());
+    /// Returns the input of a picture of a window with this size on a screen, both in points of a scale.
+    fn input(window: [f32; 2], screen: [f32; 2], scale: f32) -> egui::RawInput {
+        let size = egui::Vec2::from(window) / scale;
+        let area = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
         let mut input = egui::RawInput {
             screen_rect: Some(area),
             ..egui::RawInput::default()
         };
         let viewport = input.viewports.entry(egui::ViewportId::ROOT).or_default();
-        viewport.monitor_size = Some(screen.into());
-        viewport.maximized = Some(is_maximized);
-        let output = context.run_ui(input, |ui| assert!(fit_to_screen(ui.ctx())));
+        viewport.monitor_size = Some(egui::Vec2::from(screen) / scale);
+        viewport.inner_rect = Some(area);
+        input
+    }
+
+    /// Returns the sizes that a window asks for in a picture.
+    fn sizes(output: &egui::FullOutput) -> Vec<egui::Vec2> {
         let root = &output.viewport_output[&egui::ViewportId::ROOT];
-        let mut sizes = root.commands.iter().filter_map(|command| match command {
+        let commands = root.commands.iter();
+        let sizes = commands.filter_map(|command| match command {
             egui::ViewportCommand::InnerSize(size) => Some(*size),
             _ => None,
         });
-        let size = sizes.next();
+        sizes.collect()
+    }
+
+    /// Returns the size in pixels that a window of this size in pixels asks for, if any, in its first two pictures.
+    fn asked_at(
+        window: [f32; 2],
+        screen: [f32; 2],
+        (scale, is_maximized): (f32, bool),
+    ) -> Option<egui::Vec2> {
+        let context = egui::Context::default();
+        context.set_zoom_factor(scale);
+        // The toolkit measures the first picture before the window has its scale.
+        let first = context.run_ui(input(window, screen, 1.0), |ui| {
+            assert!(!fit_to_screen(ui.ctx()));
+            assert_eq!(place_of_window(ui.ctx()), None);
+        });
+        assert!(sizes(&first).is_empty());
+        first.drop_without_applying_deltas();
+        let mut second = input(window, screen, scale);
+        let viewport = second.viewports.entry(egui::ViewportId::ROOT).or_default();
+        viewport.maximized = Some(is_maximized);
+        let output = context.run_ui(second, |ui| assert!(fit_to_screen(ui.ctx())));
+        let size = sizes(&output).first().map(|size| *size * scale);
         output.drop_without_applying_deltas();
         size
+    }
+
+    /// Returns the size that a window of this size asks for, if any.
+    fn asked(window: [f32; 2], screen: [f32; 2], is_maximized: bool) -> Option<egui::Vec2> {
+        asked_at(window, screen, (1.0, is_maximized))
+    }
+
+    #[test]
+    fn a_window_of_another_scale_keeps_its_size_on_the_screen() {
+        for scale in [0.8, 1.2, 2.0] {
+            let kept = asked_at([1100.0, 700.0], WINDOW_SIZE, (scale, false));
+            assert_eq!(kept, None, "{scale}");
+            let fitted = asked_at([1500.0, 883.0], WINDOW_SIZE, (scale, false));
+            let fitted = fitted.expect("another size");
+            assert!(fitted.x < WINDOW_SIZE[0] && fitted.y < WINDOW_SIZE[1]);
+        }
+    }
+
+    #[test]
+    fn a_window_opens_with_the_pixels_with_which_it_was_closed() {
+        let place = WindowPlace {
+            position: Some([50.0, 20.0]),
+            size: [550.0, 350.0],
+        };
+        let viewport = viewport_at(Some(place), 2.0);
+        assert_eq!(viewport.inner_size, Some(egui::vec2(1100.0, 700.0)));
+        assert_eq!(viewport.position, Some(egui::pos2(100.0, 40.0)));
+        let first = viewport_at(None, 1.0);
+        assert_eq!(first.inner_size, Some(egui::Vec2::from(WINDOW_SIZE)));
+        assert_eq!(first.position, None);
     }
 
     #[test]

@@ -231,4 +231,29 @@ mod tests {
             assert!((farthest - radius).abs() < 2.0, "{farthest} of {radius}");
         }
     }
+
+    #[test]
+    fn the_corners_of_a_front_are_as_round_as_those_of_its_well() {
+        for name in ["mixer", "steering-wheel"] {
+            let board = items(name, 1.0);
+            let boxes = board.items.iter().filter(|item| !item.shape.is_disc);
+            for item in boxes {
+                let (nothing, still) = (Selection::default(), Preview::default());
+                let scene = CanvasScene::new(std::slice::from_ref(item), &nothing, &still);
+                let viewport = Viewport {
+                    center: item.shape.center,
+                    scale: 8.0,
+                };
+                let size = Vec2::new(8000.0, 8000.0);
+                let picture = draw(&scene, &viewport, size, &SceneColors::LIGHT);
+                let corners = item.shape.corners().map(|at| viewport.to_screen(at, size));
+                let mut drawn = picture.below.vertices.iter();
+                let in_corner = drawn.find(|(at, color)| {
+                    let is_near = corners.iter().any(|corner| (*corner - *at).length() < 2.0);
+                    is_near && color.0[3] > 0
+                });
+                assert_eq!(in_corner, None, "{name}: {}", item.label);
+            }
+        }
+    }
 }

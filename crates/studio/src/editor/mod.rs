@@ -18,6 +18,7 @@
 //! - [`LayoutEditor::apply`] makes an edit, which is one step of [`undo`](LayoutEditor::undo). While a drag lasts,
 //!   [`LayoutEditor::amend`] replaces the last edit by one with the whole distance of the drag, so that a drag is one step.
 //!   Both select the parts that were edited or added.
+//!   [`LayoutEditor::after`] tells the problems that an edit would lead to, which is not made.
 //! - [`LayoutEditor::value`] is a field as written (`None`: the default), [`FieldSpec`]s of [`fields_of`] are the fields that a
 //!   part can have, with units and ranges, for forms. [`Edit::SetField`] sets any of them.
 //! - [`LayoutEditor::problems`] lists all errors and warnings with bytes of the text and the part there.
@@ -27,6 +28,7 @@
 //! - [`EditorTrial`] gives the text to the running session while it is edited.
 //! - An error of any of these is for the status line: it says what failed, why, and what to do.
 
+mod after;
 mod file;
 mod history;
 mod problems;

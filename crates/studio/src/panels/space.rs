@@ -326,6 +326,7 @@ fn label_mesh(painter: &egui::Painter, area: Rect, labels: &[Label]) -> egui::Me
     // Known only after all letters are in the texture.
     let [width, height] = painter.ctx().fonts(|fonts| fonts.font_image_size());
     let texture_size = egui::vec2(width as f32, height as f32);
+    let pixel = 1.0 / painter.pixels_per_point();
     let mut mesh = egui::Mesh::default();
     for (label, galley) in labels.iter().zip(&galleys) {
         let letter_height = font_size(label) * CAPITAL_HEIGHT;
@@ -333,7 +334,8 @@ fn label_mesh(painter: &egui::Painter, area: Rect, labels: &[Label]) -> egui::Me
         for row in &galley.rows {
             let first = mesh.vertices.len() as u32;
             let letters = &row.visuals.mesh;
-            mesh.vertices.extend(letters.vertices.iter().map(|vertex| {
+            let corners = with_edges(&letters.vertices, pixel);
+            mesh.vertices.extend(corners.iter().map(|vertex| {
                 let offset = (row.pos + vertex.pos.to_vec2() - center) / letter_height;
                 let position = label.position + label.right * offset.x + label.down * offset.y;
                 egui::epaint::Vertex {
@@ -347,6 +349,22 @@ fn label_mesh(painter: &egui::Painter, area: Rect, labels: &[Label]) -> egui::Me
         }
     }
     mesh
+}
+
+/// Returns the corners of letters, each with half a pixel of the empty space around it in the texture. A stroke of one pixel, as of a
+/// hyphen, would be lost between the pixels of the screen where its label is drawn a little smaller.
+fn with_edges(letters: &[egui::epaint::Vertex], pixel: f32) -> Vec<egui::epaint::Vertex> {
+    let mut corners = letters.to_vec();
+    for letter in corners.chunks_exact_mut(4) {
+        let middle = letter[0].pos.lerp(letter[3].pos, 0.5);
+        for corner in letter {
+            let out = corner.pos - middle;
+            let way = egui::vec2(out.x.signum(), out.y.signum()) / 2.0;
+            corner.pos += way * pixel;
+            corner.uv += way;
+        }
+    }
+    corners
 }
 
 /// Returns the size of the font for a label: one of a few, so that the texture of letters stays small.
@@ -376,4 +394,30 @@ fn on_screen(position: Vec2, area: Rect) -> Pos2 {
 /// Converts a colour for egui.
 pub fn color32(Color([red, green, blue, opacity]): Color) -> Color32 {
     Color32::from_rgba_unmultiplied(red, green, blue, opacity)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thin_stroke_is_at_least_a_pixel_high_at_every_size_of_a_label() {
+        let context = egui::Context::default();
+        let output = context.run_ui(egui::RawInput::default(), |ui| {
+            for size in 7..22_u8 {
+                let size = f32::from(size);
+                let label = Label {
+                    position: Vec2::ZERO,
+                    right: Vec2::X * size,
+                    down: Vec2::Y * size,
+                    color: Color::rgb(255, 255, 255),
+                    text: "-".to_owned(),
+                };
+                let letters = label_mesh(ui.painter(), Rect::ZERO, &[label]);
+                let height = letters.calc_bounds().height();
+                assert!(height > 1.0, "{size}: {height}");
+            }
+        });
+        output.drop_without_applying_deltas();
+    }
 }

@@ -220,6 +220,7 @@ fn add_front(canvas: &mut Canvas, marks: &[FrontMark], front: &Pose, scale: f32,
         scale: scale * 1e-3,
         colors: canvas.colors,
         is_lit,
+        heat: 0.0,
     };
     add_marks(&mut canvas.picture, marks, &view);
 }

@@ -13,6 +13,8 @@ pub struct SceneColors {
     pub key: Color,
     /// The sides of a key.
     pub key_side: Color,
+    /// The track of a handle.
+    pub groove: Color,
     /// The label of a key.
     pub label: Color,
     /// The front of a pressed key.
@@ -51,6 +53,7 @@ impl SceneColors {
         background: Color::rgb(0xff, 0xff, 0xff),
         board: Color::rgb(0x8a, 0x90, 0x9a),
         key_side: Color::rgb(0x20, 0x20, 0x20),
+        groove: Color::rgb(0xff, 0xff, 0xff),
         label: Color::rgb(0x00, 0x00, 0x00),
         skin_edge: Color::rgb(0x4a, 0x28, 0x14),
         bone: Color::rgb(0x00, 0x18, 0x50),
@@ -64,6 +67,7 @@ impl SceneColors {
         board: Color::rgb(0x55, 0x5c, 0x68),
         key: Color::rgb(0x10, 0x10, 0x14),
         key_side: Color::rgb(0xb0, 0xb8, 0xc4),
+        groove: Color::rgb(0x00, 0x00, 0x00),
         label: Color::rgb(0xff, 0xff, 0xff),
         skin_edge: Color::rgb(0x40, 0x24, 0x10),
         ring: Color::rgb(0xff, 0xe0, 0x40),
@@ -76,6 +80,7 @@ impl SceneColors {
         board: Color::rgb(0xc3, 0xcd, 0xde),
         key: Color::rgb(0xff, 0xff, 0xff),
         key_side: Color::rgb(0x9d, 0xa9, 0xbf),
+        groove: Color::rgb(0xa8, 0xb3, 0xc8),
         label: Color::rgb(0x1d, 0x27, 0x40),
         lit: Color::rgb(0xff, 0xa0, 0x1c),
         lit_side: Color::rgb(0xc4, 0x72, 0x00),
@@ -94,6 +99,7 @@ impl SceneColors {
         board: Color::rgb(0x2a, 0x32, 0x40),
         key: Color::rgb(0x49, 0x54, 0x68),
         key_side: Color::rgb(0x1d, 0x23, 0x2e),
+        groove: Color::rgb(0x1d, 0x23, 0x2e),
         label: Color::rgb(0xee, 0xf2, 0xfa),
         lit: Color::rgb(0xff, 0xa0, 0x1c),
         lit_side: Color::rgb(0xa8, 0x62, 0x00),

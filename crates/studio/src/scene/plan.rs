@@ -9,7 +9,7 @@ use super::spaces::{add_name, add_volume};
 use super::{Canvas, SceneColors, SceneOptions, add_hand};
 use crate::camera::Projection;
 use crate::canvas::plan::handles::{self, PlanHandle};
-use crate::canvas::plan::{Plan, PlanBoard, PlanItem, PlanShape, PlanView};
+use crate::canvas::plan::{Plan, PlanBoard, PlanItem, PlanShape, PlanView, is_raised};
 use crate::canvas::viewport::Viewport;
 use crate::editor::Part;
 use crate::fonts::text_width;
@@ -61,8 +61,8 @@ pub struct PlanScene<'a> {
     pub faulty: &'a dyn Fn(Part) -> bool,
 }
 
-/// Draws a plan in pictures of this size in points, the lowest first: the hands, each item from the farthest to the nearest, and
-/// what marks them.
+/// Draws a plan in pictures of this size in points, the lowest first: the hands, each item from the farthest to the nearest with
+/// the raised ones above, and what marks them.
 pub fn draw_plan(scene: &PlanScene, size: Vec2, colors: &SceneColors) -> Vec<Picture> {
     let projection = Projection::parallel(
         scene.view.axes(),
@@ -78,8 +78,10 @@ pub fn draw_plan(scene: &PlanScene, size: Vec2, colors: &SceneColors) -> Vec<Pic
     let mut pictures = vec![hands.finish(HAND_OPACITY)];
     let mut items: Vec<&PlanItem> = scene.plan.items.iter().collect();
     items.sort_by(|a, b| {
+        let is_on_top = |item: &PlanItem| is_raised(scene.view, item.part, scene.selected);
         let nearness = |item: &PlanItem| item.nearness(scene.view);
-        nearness(a).total_cmp(&nearness(b))
+        let by_nearness = nearness(a).total_cmp(&nearness(b));
+        is_on_top(a).cmp(&is_on_top(b)).then(by_nearness)
     });
     for item in &items {
         let mut own = canvas();

@@ -9,12 +9,12 @@ use super::board::Fingertip;
 use super::gesture::Preview;
 use super::selection::Selection;
 use super::viewport::Viewport;
-use super::{Bounds, Item, ItemShape, group};
+use super::{Bounds, CORNERS, Item, ItemShape, group};
 use crate::fonts::{Fitted, fitted};
-use crate::marks::{FrontView, add_marks, half_width};
+use crate::marks::{FrontView, add_marks, corner_steps, half_width, heated, rounded};
 use crate::picture::{Color, Label, Picture, Triangles, disc, with_known_signs};
 use crate::scene::SceneColors;
-use ademan_core::layout::{FrontMark, MarkRole};
+use ademan_core::layout::{FrontMark, MarkRole, MarkShape};
 
 /// Height of a label as a fraction of the smaller side of its item.
 const LABEL_HEIGHT: f32 = 0.36;
@@ -34,17 +34,14 @@ const FAULT: f32 = 3.0;
 /// The width of a well as a part of its item from which it hides the front.
 const HIDING: f32 = 0.8;
 
-/// The part of the colour in an item with the strongest one: its label stays readable.
-const HOTTEST: f32 = 0.75;
-
 /// Everything that the picture shows.
 pub struct CanvasScene<'a> {
     /// The keys and controls.
     pub items: &'a [Item],
     /// The selected ones.
     pub selected: &'a Selection,
-    /// Items with an error.
-    pub faulty: &'a [usize],
+    /// The outlines of items with an error.
+    pub faulty: &'a [ItemShape],
     /// The strengths of a colour over the items, 0..=1, in their order; items without one have none.
     pub heats: &'a [f32],
     /// Items that are pressed at present.
@@ -124,10 +121,8 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
             pen.add_item(item, shape, (look, heat));
         }
     }
-    for &index in scene.faulty {
-        if let Some(shape) = shapes.get(index) {
-            pen.add_fault(shape);
-        }
+    for shape in scene.faulty {
+        pen.add_fault(shape);
     }
     if let Some(item) = scene.selected.single().and_then(|it| scene.items.get(it)) {
         let index = scene.selected.single().unwrap_or_default();
@@ -213,32 +208,34 @@ impl Pen<'_> {
 
     fn add_item(&mut self, item: &Item, shape: &ItemShape, (look, heat): (Look, f32)) {
         let colors = self.colors;
-        let heated = colors.key.mix(colors.fault, HOTTEST * heat.clamp(0.0, 1.0));
         let (front, side) = match look {
-            Look::Plain => (heated, colors.key_side),
+            Look::Plain => (heated(colors.key, heat, colors), colors.key_side),
             Look::Selected => (colors.key.mix(colors.ring, 0.35), colors.ring),
             Look::Pressed => (colors.lit, colors.lit_side),
         };
         let side_pt = shape.half.min_element() * 2.0 * self.viewport.scale;
         if side_pt < SMALL {
-            let outline = self.outline(shape, 0.0);
+            let outline = self.outline(shape, (0.0, 0.0));
             add_plain_polygon(&mut self.picture.below, &outline, front);
             return;
         }
         let edge = if look == Look::Selected { 2.0 } else { 1.2 };
-        let outer = self.outline(shape, 0.0);
-        let inner = self.outline(shape, edge);
+        // The corners are those of the well on it.
+        let stretch = (shape.half / item.shape.half).min_element();
+        let radius = corner_radius(item) * stretch;
+        let outer = self.outline(shape, (0.0, radius));
+        let inner = self.outline(shape, (edge, radius));
         self.picture.below.add_flat_polygon(&outer, side);
         self.picture.below.add_flat_polygon(&inner, front);
         if item.marks.is_empty() {
             self.add_label(item, shape, look)
         } else {
-            self.add_marks(item, shape, look)
+            self.add_marks(item, shape, (look, heat))
         }
     }
 
     /// Adds handle, scale and label of a control. While it is resized, they are stretched.
-    fn add_marks(&mut self, item: &Item, shape: &ItemShape, look: Look) {
+    fn add_marks(&mut self, item: &Item, shape: &ItemShape, (look, heat): (Look, f32)) {
         let viewport = *self.viewport;
         let size = self.size;
         let stretch = shape.half / item.shape.half;
@@ -251,14 +248,12 @@ impl Pen<'_> {
             scale: viewport.scale * stretch.min_element(),
             colors: self.colors,
             is_lit: look == Look::Pressed,
+            heat: if look == Look::Plain { heat } else { 0.0 },
         };
         // The selection is seen in the front, which a well of its size would hide.
-        let hides_front = |mark: &FrontMark| {
-            mark.role == MarkRole::Well && half_width(&mark.shape) > HIDING * item.shape.half.x
-        };
         let marks = item.marks.iter();
         let marks: Vec<FrontMark> = marks
-            .filter(|mark| look == Look::Plain || !hides_front(mark))
+            .filter(|mark| look == Look::Plain || !hides_front(item, mark))
             .cloned()
             .collect();
         add_marks(&mut self.picture, &marks, &view);
@@ -273,7 +268,7 @@ impl Pen<'_> {
             self.picture.above.add_ring(center, radius, FAULT, color);
             return;
         }
-        let corners = self.outline(shape, 0.0);
+        let corners = self.outline(shape, (0.0, 0.0));
         for (index, &from) in corners.iter().enumerate() {
             let to = corners[(index + 1) % corners.len()];
             let ends = [(from, color), (to, color)];
@@ -281,18 +276,21 @@ impl Pen<'_> {
         }
     }
 
-    /// Returns the outline on the screen, without an edge of a width in points.
-    fn outline(&self, shape: &ItemShape, edge: f32) -> Vec<Vec2> {
+    /// Returns the outline on the screen, without an edge of a width in points, with corners of a radius in millimetres.
+    fn outline(&self, shape: &ItemShape, (edge, radius): (f32, f32)) -> Vec<Vec2> {
         let inset = edge / self.viewport.scale;
         if shape.is_disc {
-            let radius = (shape.half.x - inset) * self.viewport.scale;
-            return disc(self.to_screen(shape.center), radius);
+            let on_screen = (shape.half.x - inset) * self.viewport.scale;
+            return disc(self.to_screen(shape.center), on_screen);
         }
-        let inner = ItemShape {
-            half: shape.half - inset,
-            ..*shape
+        let half = shape.half - inset;
+        let corners = match radius - inset {
+            inner if inner > 0.0 => rounded(half, inner, corner_steps(inner * self.viewport.scale)),
+            _ => CORNERS.map(|sign| sign * half).into(),
         };
-        inner.corners().map(|corner| self.to_screen(corner)).into()
+        let corners = corners.into_iter();
+        let on_board = corners.map(|corner| shape.center + shape.rotated(corner));
+        on_board.map(|corner| self.to_screen(corner)).collect()
     }
 
     fn add_label(&mut self, item: &Item, shape: &ItemShape, look: Look) {
@@ -344,6 +342,20 @@ impl Pen<'_> {
     }
 }
 
+/// Returns `true` if a mark is a well that hides the front of its item.
+fn hides_front(item: &Item, mark: &FrontMark) -> bool {
+    mark.role == MarkRole::Well && half_width(&mark.shape) > HIDING * item.shape.half.x
+}
+
+/// Returns the radius of the corners of the well that hides the front of an item, in millimetres; 0 without one.
+fn corner_radius(item: &Item) -> f32 {
+    let mut wells = item.marks.iter().filter(|mark| hides_front(item, mark));
+    match wells.next().map(|well| &well.shape) {
+        Some(MarkShape::Box { radius, .. }) => *radius,
+        _ => 0.0,
+    }
+}
+
 /// Returns half the width of the row that shows the bend: half the width of the items, and at least 60 mm.
 pub fn bend_half_width(items: &[Item]) -> f32 {
     let bounds = Bounds::around(items.iter().map(|item| &item.shape));
@@ -364,8 +376,12 @@ fn add_plain_polygon(triangles: &mut Triangles, corners: &[Vec2], color: Color) 
 
 #[cfg(test)]
 mod tests {
+    use super::super::board::BoardItems;
     use super::super::tests::square;
     use super::*;
+    use crate::marks::heated as heated_front;
+    use ademan_core::layout::Layout;
+    use ademan_runtime::files::Load;
 
     const SIZE: Vec2 = Vec2::new(800.0, 500.0);
 
@@ -406,10 +422,35 @@ mod tests {
         let (plain, one) = (heated(&[]), heated(&[0.0, 1.0]));
         assert_eq!(plain, heated(&[0.0; 2]));
         assert_ne!(plain, one);
-        let hottest = SceneColors::LIGHT
-            .key
-            .mix(SceneColors::LIGHT.fault, HOTTEST);
+        let hottest = heated_front(SceneColors::LIGHT.key, 1.0, &SceneColors::LIGHT);
         assert!(one.contains(&hottest) && one.contains(&SceneColors::LIGHT.key));
+    }
+
+    #[test]
+    fn a_control_that_is_often_missed_has_the_colour_in_its_front() {
+        let layout = Layout::load("mixer").unwrap();
+        let controls = BoardItems::new(&layout, &layout.boards[0], 1.0).items;
+        let colors = &SceneColors::DARK;
+        let (nothing, still) = (Selection::default(), Preview::default());
+        for item in controls {
+            assert!(!item.marks.is_empty());
+            let viewport = Viewport {
+                center: item.shape.center,
+                scale: 8.0,
+            };
+            let area = |heat: f32| {
+                let scene = CanvasScene {
+                    heats: &[heat],
+                    ..CanvasScene::new(std::slice::from_ref(&item), &nothing, &still)
+                };
+                let picture = draw(&scene, &viewport, SIZE, colors);
+                let well = heated_front(colors.key.mix(colors.key_side, 0.3), heat, colors);
+                let vertices = picture.below.vertices.iter();
+                vertices.filter(|(_, color)| *color == well).count()
+            };
+            let (plain, hot) = (area(0.0), area(1.0));
+            assert!(hot > 0 && hot == plain, "{}: {plain} {hot}", item.label);
+        }
     }
 
     #[test]

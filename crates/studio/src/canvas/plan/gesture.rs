@@ -80,7 +80,7 @@ pub fn begin(
             item: Box::new(item.clone()),
         };
     }
-    let Some(item) = plan.item_at(view, point, HIT_REACH / scale) else {
+    let Some(item) = plan.item_at(view, (point, HIT_REACH / scale), selected) else {
         if !adds {
             selected.clear();
         }

@@ -175,11 +175,24 @@ impl Plan {
         items.map(|item| item.extent(view)).reduce(Bounds::union)
     }
 
-    /// Returns the item at a point; of several the one nearest to the eye. An item is hit up to `reach` millimetres beside it.
-    pub fn item_at(&self, view: PlanView, point: Vec2, reach: f32) -> Option<&PlanItem> {
+    /// Returns the item at a point; of several a raised one, or the one nearest to the eye. An item is hit up to `reach`
+    /// millimetres beside it.
+    pub fn item_at(
+        &self,
+        view: PlanView,
+        (point, reach): (Vec2, f32),
+        selected: &[Part],
+    ) -> Option<&PlanItem> {
         let hit = self.items.iter();
         let hit = hit.filter(|item| item.contains(view, point, reach));
-        hit.max_by(|a, b| a.nearness(view).total_cmp(&b.nearness(view)))
+        let rank = |item: &PlanItem| {
+            let is_on_top = is_raised(view, item.part, selected) && item.contains(view, point, 0.0);
+            (is_on_top, item.nearness(view))
+        };
+        hit.max_by(|a, b| {
+            let (first, second) = (rank(a), rank(b));
+            first.0.cmp(&second.0).then(first.1.total_cmp(&second.1))
+        })
     }
 
     /// Returns `true` if a board overlaps another one.
@@ -187,6 +200,12 @@ impl Plan {
         let mut boards = self.overlaps.iter().flat_map(|it| it.boards);
         boards.any(|board| part == Part::Board(board))
     }
+}
+
+/// Returns `true` if an item is drawn above the others though it may be farther from the eye: a selected one, from above, where
+/// it would be dragged below them.
+pub fn is_raised(view: PlanView, part: Part, selected: &[Part]) -> bool {
+    view == PlanView::Above && selected.contains(&part)
 }
 
 /// Returns the corners of the fronts of the controls of a board that have an error.
@@ -452,5 +471,7 @@ fn number(editor: &LayoutEditor, part: Part, field: &str) -> Option<f64> {
 
 #[cfg(test)]
 mod free_tests;
+#[cfg(test)]
+mod order_tests;
 #[cfg(test)]
 pub(crate) mod tests;

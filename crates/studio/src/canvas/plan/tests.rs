@@ -215,7 +215,7 @@ fn the_nearest_of_several_items_is_hit_also_along_its_edge() {
     let plan = plan(&editor(&higher));
     let at = |view: PlanView, by: Vec2| {
         let point = center(&plan, Part::Board(0), view) + by;
-        plan.item_at(view, point, 2.5).map(|item| item.part)
+        plan.item_at(view, (point, 2.5), &[]).map(|item| item.part)
     };
     assert_eq!(at(PlanView::Above, Vec2::ZERO), Some(Part::Board(1)));
     assert_eq!(at(PlanView::Front, Vec2::ZERO), Some(Part::Board(0)));
@@ -338,7 +338,7 @@ fn a_handle_bends_a_curved_board_to_the_mouse() {
 }
 
 /// Draws a plan on a picture in which everything fits.
-fn drawn(editor: &LayoutEditor, view: PlanView) -> Vec<Picture> {
+pub(super) fn drawn(editor: &LayoutEditor, view: PlanView) -> Vec<Picture> {
     drawn_with(editor, view, None)
 }
 

@@ -66,6 +66,7 @@ pub(super) fn operate(
         handle_mouse(ui, panel, &response, point, viewport.scale);
         set_cursor(ui, panel, point, viewport.scale);
     }
+    panel.check_drag(ui.ctx());
     palette::show_menu(&response, panel);
     Some((area, viewport))
 }
@@ -356,7 +357,7 @@ pub(super) fn paint(
         pressed: &pressed,
         fingertips: &fingertips,
         preview: &panel.preview,
-        faulty: &panel.faulty,
+        faulty: &panel.faulty_outlines(),
         heats: over.heats,
         radius: panel.dragged_radius.or(panel.items.radius),
         has_grid: true,

@@ -2,8 +2,10 @@
 
 mod bar;
 mod binding;
+mod board_items;
 mod canvas;
 mod drafts;
+mod drag_check;
 mod field_row;
 mod form;
 mod free_view;
@@ -39,14 +41,12 @@ use eframe::egui;
 use parry3d::math::Vec2;
 
 use super::{PanelContext, PanelState, PictureFormats};
+use crate::canvas::Bounds;
 use crate::canvas::board::BoardItems;
 use crate::canvas::gesture::{Gesture, Preview};
 use crate::canvas::selection::Selection;
 use crate::canvas::viewport::{AreaViewport, Viewport};
-use crate::canvas::{Bounds, Item};
-use crate::editor::{
-    ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, ReachCheck, can_turn,
-};
+use crate::editor::{ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, ReachCheck};
 use crate::texts::text;
 use crate::typing::Typing;
 use ademan_core::document::DocumentError;
@@ -55,6 +55,7 @@ use ademan_core::layout::Fit;
 pub(super) use self::bar::{show_boards, show_message};
 use self::binding::BindingState;
 pub(super) use self::binding::capture as capture_key;
+use self::drag_check::DragCheck;
 use self::form::FormState;
 pub(super) use self::heat::{BoardHeat, show as show_heat};
 use self::open::OpenQuestion;
@@ -87,6 +88,7 @@ pub struct EditorPanel {
     selected: Selection,
     gesture: Option<Gesture>,
     preview: Preview,
+    drag_check: DragCheck,
     /// All boards, in place of one.
     plan: PlanPanel,
     /// Radius that a drag of the bend would give, in millimetres.
@@ -182,6 +184,7 @@ impl EditorPanel {
             selected: Selection::default(),
             gesture: None,
             preview: Preview::default(),
+            drag_check: DragCheck::default(),
             dragged_radius: None,
             snaps: true,
             grid_mm: 1.0,
@@ -249,38 +252,13 @@ impl EditorPanel {
             self.faulty.clear();
             return;
         }
-        let scale = self.board_scale();
-        let layout = self.editor.layout().filter(|_| self.editor.is_read());
-        let board = layout.and_then(|layout| Some((layout, layout.boards.get(self.board)?)));
-        match board {
-            Some((read, board)) => self.items = BoardItems::new(read, board, scale),
+        match board_items::placed(&self.editor, self.board) {
+            Some(items) => self.items = items,
             None => self.items.clear(),
         }
-        let targets = self.items.targets.iter();
-        self.parts = targets.map(|target| self.editor.part_of(*target)).collect();
-        for (part, place) in self.editor.unplaced(self.board) {
-            let name = self.editor.part_name(part).unwrap_or_default();
-            self.items
-                .items
-                .push(Item::written(&place, name, can_turn(part)));
-            self.parts.push(Some(part));
-        }
-        let is_faulty = |part: &Option<Part>| part.is_some_and(|part| self.is_faulty(part));
-        let indices = self.parts.iter().enumerate();
-        let faulty = indices.filter(|(_, part)| is_faulty(part));
-        self.faulty = faulty.map(|(index, _)| index).collect();
+        self.parts = board_items::add_unplaced(&self.editor, self.board, &mut self.items);
+        self.faulty = board_items::faulty(&self.editor, &self.parts);
         self.select_parts_of_editor();
-    }
-
-    /// Returns `true` if a part or its group has an error.
-    fn is_faulty(&self, part: Part) -> bool {
-        self.editor.is_faulty(part) || group(part).is_some_and(|it| self.editor.is_faulty(it))
-    }
-
-    /// Returns the scale of the board in the file.
-    fn board_scale(&self) -> f32 {
-        let written = self.editor.value(Part::Board(self.board), "pose.scale");
-        written.and_then(|scale| scale.parse().ok()).unwrap_or(1.0)
     }
 
     /// Undoes the last edit, and forgets the message about it.

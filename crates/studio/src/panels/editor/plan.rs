@@ -306,15 +306,17 @@ fn handle_mouse(
 ) {
     let modifiers = ui.input(|input| input.modifiers);
     let view = panel.plan.view;
+    let hit = (point, HIT_REACH / scale);
     if response.double_clicked() {
-        let item = panel.plan.plan.item_at(view, point, HIT_REACH / scale);
+        let plan = &panel.plan.plan;
+        let item = plan.item_at(view, hit, panel.editor.selection());
         if let Some(board) = item.and_then(|item| item.part.board()) {
             panel.leave_plan(board);
             return;
         }
     }
     if response.secondary_clicked()
-        && let Some(item) = panel.plan.plan.item_at(view, point, HIT_REACH / scale)
+        && let Some(item) = panel.plan.plan.item_at(view, hit, panel.editor.selection())
         && !panel.editor.selection().contains(&item.part)
     {
         panel.editor.select([item.part]);

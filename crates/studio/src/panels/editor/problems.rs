@@ -11,7 +11,7 @@ const CONTEXT_LINES: usize = 2;
 
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.add_space(2.0);
-    let mut problems = panel.editor.problems().to_vec();
+    let mut problems = panel.problems_now().to_vec();
     if let Some(reach) = &panel.reach {
         problems.extend_from_slice(reach.warnings());
     }
