@@ -88,14 +88,14 @@ impl TextKeys {
             let side = surface.and_then(|surface| surface.side());
             for key in &layout.keys[board.keys.clone()] {
                 let characters = characters(layout, key.action(0), shares_keys);
-                let Some(&character) = characters.first() else {
+                let Some(&first) = characters.first() else {
                     continue;
                 };
                 let face = &key.face;
                 let at = face.row_position;
                 let half = board.row_half_extents(face);
                 let own_center = [left + (at.x - low.x) * 1e3, -at.y * 1e3];
-                let known = keys.iter().find(|known| known.character == character);
+                let known = keys.iter().find(|known| known.character == first);
                 // A second key of the same character counts as the first one.
                 let center = known.map_or(own_center, |known| known.center);
                 if known.is_none() {
@@ -109,7 +109,7 @@ impl TextKeys {
                 let target = layout.scene.target(face.target);
                 places.push(Place {
                     target: face.target,
-                    character,
+                    character: first,
                     center,
                     own_center,
                     width: half.min_element() * 2e3,
@@ -251,7 +251,7 @@ fn character(layout: &Layout, action: KeyAction, shifted: bool) -> Option<char> 
 
 /// Returns the characters in lower case that a tap of a key may mean: one, or if `shares_keys` is `true` the letters of a multitap key.
 fn characters(layout: &Layout, action: Option<KeyAction>, shares_keys: bool) -> Vec<char> {
-    let single = |action| character(layout, action, false).map(lower);
+    let single = |of_key| character(layout, of_key, false).map(lower);
     let Some(KeyAction::Multitap(MultitapId(index))) = action.filter(|_| shares_keys) else {
         return action.and_then(single).into_iter().collect();
     };
