@@ -27,6 +27,7 @@
 //! - [`EditorTrial`] gives the text to the running session while it is edited.
 //! - An error of any of these is for the status line: it says what failed, why, and what to do.
 
+mod anchor;
 mod file;
 mod history;
 mod problems;
@@ -42,6 +43,7 @@ mod random_tests;
 #[cfg(test)]
 mod tests;
 
+pub use self::anchor::ANCHOR;
 pub use self::file::{Change, Conflict, FileState, Resolution, SaveError};
 pub use self::problems::{Problem, Severity};
 pub use self::reach::ReachCheck;

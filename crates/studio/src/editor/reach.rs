@@ -7,6 +7,7 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
 use super::{LayoutEditor, Problem, Severity};
 use ademan_core::contact::TargetId;
+use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 use ademan_runtime::setup::{HandReach, LoadedSetup, TargetOutOfReach};
 
@@ -42,6 +43,11 @@ impl ReachCheck {
             checked: None,
             warnings: Vec::new(),
         }
+    }
+
+    /// Returns the hands of the setup that use a layout, at rest.
+    pub fn hands_at_rest(&self, layout: &Layout) -> Vec<HandPose> {
+        self.setup.hands_at_rest(layout)
     }
 
     /// The warnings about the layout that was checked last, the nearest control first.

@@ -6,7 +6,8 @@ use eframe::egui::{self, DragValue, Event};
 
 use super::EditorPanel;
 use super::form::DraggedField;
-use crate::editor::{Edit, FieldSpec, FieldType, Part, quoted};
+use crate::canvas::plan::at_start;
+use crate::editor::{ANCHOR, Edit, FieldSpec, FieldType, Part, quoted};
 use crate::panels::is_other_number;
 use crate::texts::text;
 
@@ -306,11 +307,25 @@ fn has_typed(ui: &egui::Ui) -> bool {
 }
 
 fn set(panel: &mut EditorPanel, parts: &[Part], field: &str, value: Option<String>) {
+    if let Some(anchor) = value.as_deref().filter(|_| field == ANCHOR) {
+        set_anchor(panel, parts, anchor);
+        return;
+    }
     panel.apply(&Edit::SetField {
         parts: parts.to_vec(),
         field: field.to_owned(),
         value,
     });
+}
+
+/// Sets the anchor of parts. Boards stay where they are.
+fn set_anchor(panel: &mut EditorPanel, parts: &[Part], anchor: &str) {
+    panel.commit_drafts();
+    let reach = panel.reach.as_ref().zip(panel.editor.layout());
+    let hands = reach.map(|(reach, layout)| at_start(reach.hands_at_rest(layout)));
+    let hands = hands.unwrap_or_default();
+    let result = panel.editor.set_anchor(parts, anchor, &hands);
+    panel.report(result);
 }
 
 impl EditorPanel {
