@@ -85,8 +85,9 @@ impl LoadedSetup {
                 ))
             }
             Some(message) => SetupError::Value(format!(
-                "cannot type on {}: key {message}",
+                "cannot type on {}: key {}",
                 escape(&self.layout.file),
+                self.at_key(&error, &actions, message),
             )),
             None => error.into(),
         })?;
@@ -296,6 +297,22 @@ impl LoadedSetup {
         }
         let rows = self.glove.iter().flat_map(|glove| glove.map.rows());
         rows.clone().next().is_some() && rows.into_iter().all(|row| row.dof.finger().is_some())
+    }
+
+    /// Returns a message that begins with the key that is meant, from the message for an action of a text.
+    fn at_key(&self, error: &TypistError, actions: &[HandAction], message: String) -> String {
+        let TypistError::Action(ActionError {
+            index,
+            kind: ActionErrorKind::WouldPress { .. },
+        }) = error
+        else {
+            return message;
+        };
+        let Some(target) = actions.get(*index).and_then(HandAction::target) else {
+            return message;
+        };
+        let name = self.layout.target_names().get(target).to_string();
+        format!("`{}` cannot be pressed: {message}", escape(&name))
     }
 
     /// Returns the message for a target that no finger presses alone, with its name.
