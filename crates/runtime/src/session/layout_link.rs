@@ -290,7 +290,7 @@ mod tests {
         let instance = LayoutInstance::from_layout(&layout);
         let activation = thread::spawn(move || link.activate_text_of("edited.ron", instance, 0));
         let swap = loop_end.swaps().recv().unwrap();
-        let active = swap.layout.layout().map(|layout| layout.file.clone());
+        let active = swap.layout.layout().map(|it| it.file.clone());
         assert_eq!(active.as_deref(), Some("session.ron"));
         swap.retired.send(swap.layout).unwrap();
         assert!(activation.join().unwrap().is_ok());

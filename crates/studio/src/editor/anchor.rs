@@ -26,8 +26,11 @@ impl LayoutEditor {
             let Some(by_mm) = self.way_back(part, &edited.text, hands) else {
                 continue;
             };
-            let parts = vec![part];
-            if let Ok(moved) = edit(&edited.text, &Edit::MoveInSpace { parts, by_mm }) {
+            let back = Edit::MoveInSpace {
+                parts: vec![part],
+                by_mm,
+            };
+            if let Ok(moved) = edit(&edited.text, &back) {
                 edited.patches.extend(moved.patches);
                 edited.text = moved.text;
             }
@@ -74,8 +77,8 @@ mod tests {
                 let mut editor = LayoutEditor::from_text("a.ron", &text, Fit::default());
                 let layout = editor.layout().unwrap();
                 let hands = at_start(setup.hands_at_rest(layout));
-                let place = |editor: &LayoutEditor| {
-                    let surface = &editor.layout().unwrap().scene.surfaces()[0];
+                let place = |shown: &LayoutEditor| {
+                    let surface = &shown.layout().unwrap().scene.surfaces()[0];
                     surface.world_from_surface(&hands[0]).unwrap().translation
                 };
                 let before = place(&editor);
