@@ -437,7 +437,7 @@ mod tests {
         for (key, chords, binding, expected) in [
             ("code: \"Escape\"", "", multitap(), None),
             ("code: \"Escape\"", "", Binding::Text("hi".into()), None),
-            ("code: \"Escape\"", "", Binding::NoOp, Some("Escape")),
+            ("code: \"Escape\"", "", Binding::Clutch, Some("Escape")),
             ("code: \"Escape\"", "Escape B", multitap(), Some("Escape")),
             (
                 "code: \"Escape\"",
