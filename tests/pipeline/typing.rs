@@ -247,15 +247,53 @@ fn a_key_out_of_reach_is_named_with_its_distance() {
         .err()
         .expect("the key is too far away")
         .to_string();
-    assert!(
-        error.contains("key `1` is") && error.contains("mm out of reach"),
-        "{error}"
-    );
-    let names: Vec<&str> = setup.out_of_reach().iter().map(|(name, _)| *name).collect();
+    let reach = setup.out_of_reach();
+    let found = reach.iter().find(|(name, _)| *name == "1");
+    let (_, metres) = found.expect("the key is too far away");
+    let said = format!("key `1` is {:.0} mm out of reach", metres * 1e3);
+    assert!(error.contains(&said), "{said}: {error}");
+    let names: Vec<&str> = reach.iter().map(|(name, _)| *name).collect();
     assert!(
         names.contains(&"1") && !names.contains(&"Space"),
         "{names:?}"
     );
+}
+
+#[test]
+fn a_key_is_named_whose_press_would_press_another_one() {
+    let pad: String = (0..12)
+        .map(|index| {
+            let (x, y) = (index % 3 * 27 - 27, 33 - index / 3 * 22);
+            format!(
+                "(code: \"F{}\", at_mm: ({x}, {y}), size_mm: Box(24, 17)),",
+                index + 1
+            )
+        })
+        .collect();
+    let text = format!(
+        "Layout(name: \"a\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45), \
+         keys: [{pad}]), (pose: (anchor: elbow, bearing_deg: 35, forward_mm: 190, height_mm: -45, right_mm: -10), \
+         shape: Arc(radius_mm: 90), keys: [(code: \"Space\", at_mm: (0, 0)), (code: \"Enter\", at_mm: (19, 0))])])"
+    );
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("pad.ron");
+    std::fs::write(&path, text).expect("the file is written");
+    let setup = load(path.to_str().expect("a path in UTF-8"));
+    let refused = [("Space", " "), ("Enter", "\n")].map(|(key, typed)| {
+        let typist = setup.typist(typed, &line(9_600), 0.0, 0);
+        (key, typist.err().map_or(String::new(), |it| it.to_string()))
+    });
+    let errors = refused
+        .iter()
+        .filter(|(_, error)| error.contains("would press"));
+    let errors: Vec<_> = errors.collect();
+    assert!(!errors.is_empty());
+    for (key, error) in errors {
+        let start = format!("pad.ron: key `{key}` cannot be pressed: the ");
+        assert!(error.contains(&start), "{error}");
+        let end = " of the simulated hand would press `F";
+        assert!(error.contains(end), "{error}");
+    }
 }
 
 #[test]

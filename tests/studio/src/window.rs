@@ -7,6 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ademan::capture::Source;
+use ademan::document::Document;
 use ademan::session::{Session, SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::studio::model::StudioModel;
@@ -185,7 +186,8 @@ impl StudioWindow {
             .layout_trial()
             .expect("the session has layouts");
         let file = &self.model().view.layout.file;
-        assert!(trial.start(file, text).is_some());
+        let edited = Document::new(file.as_str(), text);
+        assert!(trial.start(file, edited).is_some());
     }
 
     /// Draws `count` pictures.

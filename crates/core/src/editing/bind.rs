@@ -175,34 +175,35 @@ fn bind_base(draft: &mut Draft, part: Part, binding: &Binding) -> Result<Vec<Par
     match new {
         _ if is_numbered_copy => name_after_action(draft, key_part, &old, implied)?,
         Some(new) if is_implied && new != old => rename_mentions(draft, &old, &new)?,
-        None if is_implied => draft.set(key_part, "name", &quote(&old))?,
+        None if is_implied && is_key => draft.set(key_part, "name", &quote(&old))?,
+        None if is_implied => name_after_action(draft, key_part, &old, implied)?,
         _ => {}
     }
     draft.commit()?;
     Ok(parts)
 }
 
-/// Gives a key that has the name of a copy the name in its action, with a number if that is taken. A name that chords mention stays
-/// if the new one cannot be mentioned there.
+/// Gives a key that has the name in its old action, or that of a copy, the name in its action, with a number if that is taken. The
+/// old name stays if the action has none, and if chords mention it and cannot mention the new one.
 fn name_after_action(
     draft: &mut Draft,
     key: Part,
     old: &str,
     implied: Option<String>,
 ) -> Result<(), EditError> {
-    let Some(implied) = implied.filter(|name| !name.trim().is_empty()) else {
-        return Ok(());
-    };
+    let implied = implied.filter(|name| !name.trim().is_empty());
     let mut names = taken(draft);
     names.remove(old);
-    let new = unique(&mut names, &implied);
-    if new == old || !can_be_mentioned(draft, old, &new) {
-        return Ok(());
-    }
-    if new == implied {
+    let new = implied.as_ref().map(|name| unique(&mut names, name));
+    let is_usable = |name: &String| name == old || can_be_mentioned(draft, old, name);
+    let new = new.filter(is_usable).unwrap_or_else(|| old.to_owned());
+    if implied.as_ref() == Some(&new) {
         draft.unset(key, "name")?;
     } else {
         draft.set(key, "name", &quote(&new))?;
+    }
+    if new == old {
+        return Ok(());
     }
     rename_mentions(draft, old, &new)
 }
@@ -418,7 +419,7 @@ mod tests {
             (
                 "action: Multitap(\"A B C 2\")",
                 multitap("A B C 2"),
-                "A B C 3",
+                "A B C 2 2",
             ),
             ("code: \"A\", name: \"B\"", Binding::Key("B".into()), "B 2"),
         ] {
@@ -427,6 +428,50 @@ mod tests {
             let name = copy.split_once("name: \"").map(|(_, rest)| rest);
             let name = name.and_then(|rest| rest.split('"').next());
             assert_eq!(name.unwrap_or_default(), expected, "{binding:?}: {keys}");
+        }
+    }
+
+    #[test]
+    fn a_name_from_the_old_action_goes_with_it_and_one_of_its_own_stays() {
+        let multitap = || Binding::multitap("Period Comma 1").unwrap();
+        for (key, chords, binding, expected) in [
+            ("code: \"Escape\"", "", multitap(), None),
+            ("code: \"Escape\"", "", Binding::Text("hi".into()), None),
+            ("code: \"Escape\"", "", Binding::Clutch, Some("Escape")),
+            ("code: \"Escape\"", "Escape B", multitap(), Some("Escape")),
+            (
+                "code: \"Escape\"",
+                "",
+                Binding::Text("B".into()),
+                Some("B 2"),
+            ),
+            ("code: \"Escape\", name: \"x\"", "", multitap(), Some("x")),
+            ("action: Multitap(\"A C\")", "", multitap(), None),
+        ] {
+            let chord = match chords {
+                "" => String::new(),
+                keys => format!("(keys: \"{keys}\", action: Key(\"Tab\"))"),
+            };
+            let text = format!(
+                "Layout(name: \"a\", boards: [(pose: (anchor: elbow), keys: [({key}, at_mm: (0, 0)), (code: \"B\", \
+                 at_mm: (40, 0))])], chords: [{chord}])"
+            );
+            let part = Part::Control {
+                board: 0,
+                kind: ControlKind::Key,
+                index: 0,
+            };
+            let bind = Edit::Bind {
+                part,
+                slot: Slot::Base,
+                binding: Some(binding.clone()),
+            };
+            let bound = edit(&text, &bind).unwrap().text;
+            Layout::parse(&bound, "a.ron").unwrap_or_else(|error| panic!("{bound}: {error}"));
+            let name = bound.split_once("name: \"a\"").unwrap().1;
+            let name = name.split_once("name: \"").map(|(_, rest)| rest);
+            let name = name.and_then(|rest| rest.split('"').next());
+            assert_eq!(name, expected, "{binding:?}: {bound}");
         }
     }
 

@@ -8,6 +8,7 @@ use super::error::EditError;
 use super::part::{ControlKind, Part, targets, words};
 use crate::device::KeyCode;
 use crate::document::{Node, quote, quoted_content};
+use crate::layout::is_multitap;
 
 /// Returns the name of a part, as the loader gives it.
 pub fn name_of(text: &str, tree: &Node, part: Part) -> Option<String> {
@@ -65,7 +66,7 @@ fn stem(name: &str) -> &str {
 
 /// Returns `true` if [`unique`] makes a name of another one that is taken.
 pub(super) fn is_numbered(name: &str, of: &str) -> bool {
-    name != of && stem(name) != name && stem(name) == stem(of)
+    name != of && stem(name) != name && [of, stem(of)].contains(&stem(name))
 }
 
 /// Returns the range of the quoted name of a sequence.
@@ -90,9 +91,11 @@ pub(super) fn taken(draft: &Draft) -> BTreeSet<String> {
         .collect()
 }
 
-/// Returns a name that is not taken, and takes it: `Slider`, `Slider 2`, `Slider 3`.
+/// Returns a name that is not taken, and takes it: `Slider`, `Slider 2`, `Slider 3`. The last digit of `A B C 2` is a letter of a
+/// multitap key and no number, unless there is `A B C`.
 pub(super) fn unique(taken: &mut BTreeSet<String>, name: &str) -> String {
-    let stem = stem(name);
+    let is_letter = is_multitap(name) && !taken.contains(stem(name));
+    let stem = if is_letter { name } else { stem(name) };
     let mut candidate = name.to_owned();
     let mut number = 2;
     while !taken.insert(candidate.clone()) {
@@ -196,4 +199,27 @@ pub(super) fn rename_mentions(draft: &mut Draft, old: &str, new: &str) -> Result
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_copy_counts_from_its_name_and_not_from_the_letters_of_a_key() {
+        for (taken, expected) in [
+            (&["Slider"][..], "Slider 2"),
+            (&["Slider", "Slider 2"][..], "Slider 3"),
+            (&["A B C 2"][..], "A B C 2 2"),
+            (&["A B C 2", "A B C 2 2"][..], "A B C 2 3"),
+            (&["A", "A 2"][..], "A 3"),
+        ] {
+            let mut names = taken.iter().map(|name| (*name).to_owned()).collect();
+            let last = taken[taken.len() - 1];
+            let copy = unique(&mut names, last);
+            assert_eq!(copy, expected, "{taken:?}");
+            assert!(names.contains(expected) && is_numbered(&copy, taken[0]));
+        }
+        assert!(!is_numbered("A B C 2", "A B C 2") && !is_numbered("B 2", "A"));
+    }
 }

@@ -136,6 +136,27 @@ impl LayoutLink {
         profile: usize,
         keep_board_poses: bool,
     ) -> Result<(), SessionEnded> {
+        self.activate_as(layout, profile, keep_board_poses, None)
+    }
+
+    /// Activates a layout with the text of another file, as [`activate`](Self::activate) does. Simulated hands name that file in
+    /// their messages.
+    pub(crate) fn activate_text_of(
+        &self,
+        file: &str,
+        layout: LayoutInstance,
+        profile: usize,
+    ) -> Result<(), SessionEnded> {
+        self.activate_as(layout, profile, false, Some(file))
+    }
+
+    fn activate_as(
+        &self,
+        layout: LayoutInstance,
+        profile: usize,
+        keep_board_poses: bool,
+        file: Option<&str>,
+    ) -> Result<(), SessionEnded> {
         let is_active = || profile == self.active_profile.load(Ordering::Relaxed);
         let change = is_active().then(|| self.hands.begin_change());
         let layout_of_hands = layout.layout().cloned();
@@ -159,6 +180,9 @@ impl LayoutLink {
         if let Some(mut layout_of_hands) = layout_of_hands.filter(|_| is_active()) {
             if keep_board_poses {
                 copy_board_poses(&old, Arc::make_mut(&mut layout_of_hands));
+            }
+            if let Some(file) = file.filter(|file| *file != layout_of_hands.file) {
+                file.clone_into(&mut Arc::make_mut(&mut layout_of_hands).file);
             }
             let change = change.unwrap_or_else(|| self.hands.begin_change());
             change.activate(layout_of_hands);
@@ -221,9 +245,12 @@ impl LoopLayoutLink {
 mod tests {
     use std::thread;
 
+    use crossbeam_channel::unbounded;
+
     use super::*;
-    use crate::capture::Hc11Format;
+    use crate::capture::{Hc11Format, Source};
     use crate::setup::Setup;
+    use crate::sim::HandTask;
 
     #[test]
     fn hands_follow_a_layout_whose_profile_became_active_before_the_swap() {
@@ -245,5 +272,37 @@ mod tests {
         }
         assert!(activation.join().unwrap().is_ok());
         assert!(is_followed);
+    }
+
+    #[test]
+    fn a_hand_names_the_file_whose_text_is_tried() {
+        let setup = Setup::default().load_files().unwrap();
+        let task = HandTask::Text("q".to_owned());
+        let mut hand = setup.live_hand(task, &Hc11Format::default()).unwrap();
+        let (said, messages) = unbounded();
+        let receive = move |message| said.send(message).unwrap();
+        setup.layout_feed.set_receiver(receive);
+        let (link, loop_end) = LayoutLink::new(Waker::default());
+        let link = link.with_hands(setup.layout_feed.clone());
+        let text = "Layout(name: \"a\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, \
+                    height_mm: -45), rows: [(at_mm: (0, 0), keys: \"A\")])])";
+        let layout = Layout::parse(text, "session.ron").unwrap();
+        let instance = LayoutInstance::from_layout(&layout);
+        let activation = thread::spawn(move || link.activate_text_of("edited.ron", instance, 0));
+        let swap = loop_end.swaps().recv().unwrap();
+        let active = swap.layout.layout().map(|it| it.file.clone());
+        assert_eq!(active.as_deref(), Some("session.ron"));
+        swap.retired.send(swap.layout).unwrap();
+        assert!(activation.join().unwrap().is_ok());
+        for _ in 0..1000 {
+            hand.next().unwrap();
+        }
+        let said: Vec<String> = messages.try_iter().collect();
+        assert_eq!(
+            said,
+            [
+                "edited.ron: the simulated hand leaves out a character: no key of the layout types it"
+            ]
+        );
     }
 }

@@ -2,6 +2,8 @@
 
 use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
 
+use ademan_core::document::Document;
+
 /// Trials that wait for a busy layout manager: the latest of one editor.
 pub(super) const QUEUE_LENGTH: usize = 1;
 
@@ -10,8 +12,8 @@ pub(super) const QUEUE_LENGTH: usize = 1;
 pub(super) struct TrialRequest {
     /// Name of the layout that it replaces, as in [`Layout::file`](ademan_core::layout::Layout::file).
     pub file: String,
-    /// The text of the layout.
-    pub text: String,
+    /// The text of the layout, with the name of the file that is edited.
+    pub edited: Document,
     /// Channel for the outcome.
     pub reply: Sender<Result<(), String>>,
 }
@@ -31,16 +33,17 @@ impl LayoutTrial {
         Self { requests }
     }
 
-    /// Activates a text in place of a layout of the session, named as in [`Layout::file`](ademan_core::layout::Layout::file), after
+    /// Activates a document in place of a layout of the session, named as in [`Layout::file`](ademan_core::layout::Layout::file), after
     /// everything is released. An invalid text changes nothing. Does not wait; returns `None` while the session is busy with another
     /// trial, or has ended.
     ///
-    /// The file of the layout is neither read nor written. Its next save replaces the tried text.
-    pub fn start(&self, file: &str, text: &str) -> Option<TrialOutcome> {
+    /// The file of the layout is neither read nor written. Its next save replaces the tried text. Errors and the messages of
+    /// simulated hands name the file of the document.
+    pub fn start(&self, file: &str, edited: Document) -> Option<TrialOutcome> {
         let (reply, outcome) = bounded(1);
         let request = TrialRequest {
             file: file.to_owned(),
-            text: text.to_owned(),
+            edited,
             reply,
         };
         self.requests.try_send(request).ok()?;

@@ -17,7 +17,7 @@ use ademan_core::message::escape;
 /// The name of the source of a [live hand](LoadedSetup::live_hand).
 pub const SIMULATED_HAND: &str = "simulated hand";
 
-/// The largest number of keys of a layout whose presses are tried.
+/// The largest number of keys, and of other controls, of a layout whose presses are tried.
 const MAX_TRIED: usize = 500;
 
 impl LoadedSetup {
@@ -85,8 +85,9 @@ impl LoadedSetup {
                 ))
             }
             Some(message) => SetupError::Value(format!(
-                "cannot type on {}: key {message}",
+                "cannot type on {}: key {}",
                 escape(&self.layout.file),
+                self.at_key(&error, &actions, message),
             )),
             None => error.into(),
         })?;
@@ -205,9 +206,10 @@ impl LoadedSetup {
         text
     }
 
-    /// Returns the keys of another layout that the simulated hand reaches and cannot press, with the reason and the remedy. Leaves out
-    /// keys that are pressed by bending and keys of chords.
-    pub fn keys_without_press(&self, layout: &Layout) -> Vec<(TargetId, String)> {
+    /// Returns the controls of another layout that the simulated hand cannot press although a hand of the setup
+    /// [reaches](super::HandReach::on_boards) them, with the reason and the remedy. Leaves out keys that are pressed by bending and
+    /// keys of chords.
+    pub fn controls_without_press(&self, layout: &Layout) -> Vec<(TargetId, String)> {
         let mut own = self.clone();
         own.layout = layout.clone();
         let Ok(hands) = own.hands(own.scripted_kind()) else {
@@ -215,39 +217,34 @@ impl LoadedSetup {
         };
         let hands = borrowed(&hands);
         let settings = own.live_settings(Hc11Format::default().packet_period(), 0.0);
-        let names = layout.target_names();
-        let name = |target| escape(&names.get(target).to_string()).to_string();
-        let reason = |target| {
-            let actions = [HandAction::tap(target)];
-            let planned = SimulatedTypist::with_hands(&settings, &actions, &layout.scene, &hands);
-            let Err(TypistError::Action(error)) = planned else {
-                return None;
-            };
-            Some(match error.kind {
-                ActionErrorKind::WouldPress {
-                    finger,
-                    target: other,
-                } => format!(
-                    "its {} would press `{}`; make the keys smaller or move them apart",
-                    finger.in_words(),
-                    name(other)
-                ),
-                kind @ (ActionErrorKind::WouldMiss(_) | ActionErrorKind::NoWay) => {
-                    format!("{kind}; move it or its board")
-                }
-                _ => return None,
-            })
+        let failure = |actions: &[HandAction]| {
+            let planned = SimulatedTypist::with_hands(&settings, actions, &layout.scene, &hands);
+            match planned {
+                Err(TypistError::Action(error)) => Some(error.kind),
+                _ => None,
+            }
         };
-        let is_touched = |target| {
-            let found = layout.scene.target(target);
+        let out_of_reach = self.hand_reach().on_boards(layout);
+        let is_tried = |target: &TargetId| {
+            let found = layout.scene.target(*target);
             let is_bent = found.is_none_or(|(surface, _)| surface.is_bent());
-            !is_bent && !layout.is_chord_key(target)
+            let is_reached = out_of_reach.iter().all(|other| other.target != *target);
+            is_reached && !is_bent && !layout.is_chord_key(*target)
         };
-        let targets = layout.keys.iter().map(|key| key.face.target);
-        let touched = targets.filter(|target| is_touched(*target));
-        let tried = touched.take(MAX_TRIED);
-        tried
-            .filter_map(|target| Some((target, reason(target)?)))
+        let keys = layout.keys.iter().map(|key| key.face.target);
+        let keys = keys
+            .filter(is_tried)
+            .map(|key| (key, vec![HandAction::tap(key)]));
+        let keys = keys.take(MAX_TRIED);
+        let failed_keys = keys.filter_map(|(key, actions)| Some((key, failure(&actions)?)));
+        let uses = control_uses(layout).filter(|(control, _)| is_tried(control));
+        let uses = uses.take(MAX_TRIED);
+        let failed = uses.filter_map(|(control, actions)| Some((control, failure(&actions)?)));
+        // A track out of reach is a matter of reach.
+        let failed = failed.filter(|(_, kind)| matches!(kind, ActionErrorKind::WouldPress { .. }));
+        let reasons = failed_keys.chain(failed);
+        reasons
+            .filter_map(|(target, kind)| Some((target, reason_without_press(kind, layout)?)))
             .collect()
     }
 
@@ -302,6 +299,22 @@ impl LoadedSetup {
         rows.clone().next().is_some() && rows.into_iter().all(|row| row.dof.finger().is_some())
     }
 
+    /// Returns a message that begins with the key that is meant, from the message for an action of a text.
+    fn at_key(&self, error: &TypistError, actions: &[HandAction], message: String) -> String {
+        let TypistError::Action(ActionError {
+            index,
+            kind: ActionErrorKind::WouldPress { .. },
+        }) = error
+        else {
+            return message;
+        };
+        let Some(target) = actions.get(*index).and_then(HandAction::target) else {
+            return message;
+        };
+        let name = self.layout.target_names().get(target).to_string();
+        format!("`{}` cannot be pressed: {message}", escape(&name))
+    }
+
     /// Returns the message for a target that no finger presses alone, with its name.
     fn reach_message(&self, error: &TypistError) -> Option<String> {
         let TypistError::Action(ActionError { kind, .. }) = error else {
@@ -344,6 +357,41 @@ impl LoadedSetup {
             ),
             _ => return None,
         })
+    }
+}
+
+/// Iterates over the controls that are no keys, with actions that use each one.
+fn control_uses(layout: &Layout) -> impl Iterator<Item = (TargetId, Vec<HandAction>)> {
+    let names = layout.target_names();
+    let faces = layout.controls.iter().flat_map(|control| &control.faces);
+    let controls: Vec<TargetId> = faces.map(|face| face.target).collect();
+    sim::tour(layout).into_iter().filter_map(move |stop| {
+        let script = open_script(&stop.actions, &names).ok()?;
+        let actions = script.actions().to_vec();
+        let target = actions.first()?.target()?;
+        controls.contains(&target).then_some((target, actions))
+    })
+}
+
+/// Returns the reason why a target is not pressed, and the remedy; `None` if it needs another hand or other actions.
+fn reason_without_press(kind: ActionErrorKind, layout: &Layout) -> Option<String> {
+    match kind {
+        ActionErrorKind::WouldPress { finger, target } => {
+            let name = layout.target_names().get(target).to_string();
+            Some(format!(
+                "its {} would press `{}`; make the keys smaller or move them apart",
+                finger.in_words(),
+                escape(&name)
+            ))
+        }
+        ActionErrorKind::OutOfReach { metres, .. } if metres.is_finite() => Some(format!(
+            "its finger stays {:.0} mm away; move it or its board",
+            metres * 1e3
+        )),
+        other @ (ActionErrorKind::WouldMiss(_) | ActionErrorKind::NoWay) => {
+            Some(format!("{other}; move it or its board"))
+        }
+        _ => None,
     }
 }
 

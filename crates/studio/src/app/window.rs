@@ -81,7 +81,8 @@ fn fit_to_screen(context: &egui::Context) -> bool {
         return false;
     };
     let present = context.content_rect().size();
-    let size = present.min(screen - SCREEN_MARGIN);
+    // The desktop draws the frame of the window in its own scale.
+    let size = present.min(screen - SCREEN_MARGIN / context.zoom_factor());
     if size != present && !is_filled {
         context.send_viewport_cmd(egui::ViewportCommand::InnerSize(size));
     }

@@ -29,6 +29,7 @@
 //! - An error of any of these is for the status line: it says what failed, why, and what to do.
 
 mod after;
+mod anchor;
 mod file;
 mod history;
 mod problems;
@@ -44,6 +45,7 @@ mod random_tests;
 #[cfg(test)]
 mod tests;
 
+pub use self::anchor::ANCHOR;
 pub use self::file::{Change, Conflict, FileState, Resolution, SaveError};
 pub use self::problems::{Problem, Severity};
 pub use self::reach::ReachCheck;

@@ -1,4 +1,4 @@
-//! Warnings about controls that the hands of the session do not reach, and keys that the simulated hand cannot press.
+//! Warnings about controls that the hands of the session do not reach, or that the simulated hand cannot press.
 
 use std::sync::Arc;
 use std::thread;
@@ -7,6 +7,7 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
 use super::{LayoutEditor, Problem, Severity};
 use ademan_core::contact::TargetId;
+use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 use ademan_runtime::setup::{HandReach, LoadedSetup, TargetOutOfReach};
 
@@ -17,7 +18,7 @@ const MAX_WARNINGS: usize = 20;
 struct Found {
     /// Targets out of reach, the nearest first.
     out_of_reach: Vec<TargetOutOfReach>,
-    /// Keys that the simulated hand reaches and cannot press, with the reasons.
+    /// Controls within reach that the simulated hand cannot press, with the reasons.
     without_press: Vec<(TargetId, String)>,
 }
 
@@ -42,6 +43,11 @@ impl ReachCheck {
             checked: None,
             warnings: Vec::new(),
         }
+    }
+
+    /// Returns the hands of the setup that use a layout, at rest.
+    pub fn hands_at_rest(&self, layout: &Layout) -> Vec<HandPose> {
+        self.setup.hands_at_rest(layout)
     }
 
     /// The warnings about the layout that was checked last, the nearest control first.
@@ -79,7 +85,7 @@ impl ReachCheck {
         let check = move || {
             let found = Found {
                 out_of_reach: hands.on_boards(&checked),
-                without_press: setup.keys_without_press(&checked),
+                without_press: setup.controls_without_press(&checked),
             };
             // The editor may be closed.
             let _ = sender.send(found);
@@ -212,9 +218,9 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_key_that_the_simulated_hand_cannot_press_is_a_warning_until_it_has_room() {
-        let pad: String = (0..12)
+    /// Returns twelve keys close to each other.
+    fn pad() -> String {
+        (0..12)
             .map(|index| {
                 let (x, y) = (index % 3 * 27 - 27, 33 - index / 3 * 22);
                 format!(
@@ -222,7 +228,12 @@ mod tests {
                     index + 1
                 )
             })
-            .collect();
+            .collect()
+    }
+
+    #[test]
+    fn a_key_that_the_simulated_hand_cannot_press_is_a_warning_until_it_has_room() {
+        let pad = pad();
         let text = format!(
             "Layout(name: \"a\", boards: [\n(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, \
              height_mm: -45), keys: [{pad}]),\n(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 190, \
@@ -251,8 +262,52 @@ mod tests {
         assert_eq!(check.warnings(), []);
     }
 
+    /// Returns a pad of keys and, beside it, an arc of three keys at the wrist for a finger.
+    fn pad_with_arc(finger: &str) -> String {
+        let pad = pad();
+        let key = |(x, code): (i32, &str)| {
+            format!("(code: \"{code}\", at_mm: ({x}, 0), finger: \"{finger}\"),")
+        };
+        let arc: String = [(0, "Space"), (19, "Backspace"), (38, "Enter")]
+            .map(key)
+            .concat();
+        format!(
+            "Layout(name: \"a\", boards: [\n(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, \
+             height_mm: -45), keys: [{pad}]),\n(pose: (anchor: wrist, bearing_deg: 35, forward_mm: 60, \
+             height_mm: -45, right_mm: -95), shape: Arc(radius_mm: 90), keys: [{arc}])])"
+        )
+    }
+
     #[test]
-    fn the_simulated_hand_presses_every_key_of_a_shipped_layout() {
+    fn a_key_that_the_named_finger_does_not_press_is_one_warning() {
+        let mut is_tested = false;
+        for finger in ["index", "thumb"] {
+            let editor = LayoutEditor::from_text("pad.ron", &pad_with_arc(finger), Fit::default());
+            assert!(editor.is_valid(), "{:?}", editor.problems());
+            let mut check = check();
+            finish(&mut check, &editor);
+            let mut setup = Setup::default().load_files().unwrap();
+            setup.layout = Layout::clone(editor.layout().unwrap());
+            let tour = setup.tour();
+            let codes = ["Space", "Backspace", "Enter"];
+            let left_out = codes.iter().filter(|code| {
+                let line = format!("\ntap {code};");
+                !tour.contains(&line)
+            });
+            let left_out: Vec<_> = left_out.collect();
+            is_tested |= !left_out.is_empty();
+            for code in left_out {
+                let start = format!("`{code}` ");
+                let rows = check.warnings().iter();
+                let rows = rows.filter(|warning| warning.message.starts_with(&start));
+                assert_eq!(rows.count(), 1, "{finger}, {code}: {:?}", check.warnings());
+            }
+        }
+        assert!(is_tested, "every key is pressed");
+    }
+
+    #[test]
+    fn the_simulated_hand_presses_every_control_of_a_shipped_layout() {
         let setup = Setup::default().load_files().unwrap();
         for name in shipped_layouts() {
             let document = Document::shipped(name).unwrap();
@@ -260,7 +315,7 @@ mod tests {
             let Ok(layout) = Layout::for_hands(document, setup.layout.fit) else {
                 continue;
             };
-            assert_eq!(setup.keys_without_press(&layout), [], "{name}");
+            assert_eq!(setup.controls_without_press(&layout), [], "{name}");
         }
     }
 

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::LayoutEditor;
+use ademan_core::document::Document;
 use ademan_core::layout::Layout;
 use ademan_runtime::session::{LayoutTrial, TrialOutcome};
 
@@ -70,7 +71,8 @@ impl EditorTrial {
             return refusal;
         }
         if text != self.tried && now >= self.due {
-            self.outcome = session.start(&self.file, text);
+            let edited = Document::new(editor.name(), text);
+            self.outcome = session.start(&self.file, edited);
             if self.outcome.is_some() {
                 text.clone_into(&mut self.tried);
                 self.due = now + PERIOD;

@@ -7,7 +7,8 @@ use std::thread;
 use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
 use super::outcome::{LabOutcome, Scored};
-use super::settings::{LabSettings, jobs};
+use super::settings::{LabDecoder, LabSettings, jobs};
+use crate::texts::text;
 use ademan_core::document::{Document, FileKind};
 use ademan_core::layout::Layout;
 use ademan_lab::measures::{
@@ -15,6 +16,7 @@ use ademan_lab::measures::{
 };
 use ademan_lab::people::Participant;
 use ademan_lab::phrases::Corpus;
+use ademan_lab::trials::TrialError;
 use ademan_runtime::files::OpenDocument;
 use ademan_runtime::priority;
 
@@ -163,6 +165,10 @@ fn outcome(
 fn reason(error: &ScoreError) -> String {
     match error {
         ScoreError::Cancelled(_) => String::new(),
+        ScoreError::Trial(TrialError::NoLetters) => {
+            let (list, off) = (text("lab-decoder"), LabDecoder::Off.name());
+            format!("{error}; choose `{off}` in the list “{list}”, or another layout")
+        }
         other => other.to_string(),
     }
 }
@@ -238,6 +244,10 @@ pub(super) mod tests {
         request.layout = Document::shipped("ray").expect("a shipped layout");
         request.settings.decoder = super::super::LabDecoder::English;
         let reason = finish(&LabRun::start(request)).map(|_| ()).unwrap_err();
-        assert!(reason.contains("ten keys of letters"), "{reason}");
+        assert!(
+            reason.contains("ten keys of letters; choose `off`"),
+            "{reason}"
+        );
+        assert!(!reason.contains("--decoder"), "{reason}");
     }
 }

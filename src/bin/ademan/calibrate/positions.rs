@@ -3,6 +3,8 @@
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
+use crossbeam_channel::{Receiver, RecvTimeoutError};
+
 use ademan::calibrate::positions::{
     HandLengths, PositionError, TablePlane, board_on_table, measure_lengths,
 };
@@ -10,6 +12,7 @@ use ademan::capture::{CaptureEvent, Reading, SourceUri, spawn};
 use ademan::contact::board_pose::BoardPose;
 use ademan::estimate::{Estimator, EstimatorSettings, Smoothing};
 use ademan::hand::JointPositions;
+use ademan::message::escape;
 use ademan::setup::LoadedSetup;
 
 use super::lengths::{self, LengthArgs};
@@ -17,6 +20,9 @@ use crate::failure::Failure;
 
 /// The time for which positions of a live source are collected.
 const TIME: Duration = Duration::from_secs(5);
+
+/// The most positions that are collected: about 60 MB. A camera shows as many in half an hour.
+const MAX_POSITIONS: usize = 100_000;
 
 /// The radius of a fingertip, in metres: the radius in arm models from lengths.
 const TIP_RADIUS: f64 = 0.005;
@@ -61,21 +67,40 @@ pub fn run(setup: &LoadedSetup, source: &SourceUri, typed: LengthArgs) -> Result
 /// Collects the positions of a live source for a few seconds, or of another source to its end.
 fn collect(setup: &LoadedSetup, source: &SourceUri) -> Result<Vec<JointPositions>, Failure> {
     let capture = spawn(setup.open_source_alone(source)?)?;
+    let end = capture.is_live().then(|| Instant::now() + TIME);
+    match collect_until(capture.events(), end, MAX_POSITIONS)? {
+        Some(positions) => Ok(positions),
+        None => Err(Failure::wrong_use(format!(
+            "{} has more than {MAX_POSITIONS} readings; calibrate with a shorter recording",
+            escape(capture.name())
+        ))),
+    }
+}
+
+/// Collects positions up to a time, the end of the source, or that of its thread. Returns `None` if there are more than `limit`.
+fn collect_until(
+    events: &Receiver<CaptureEvent>,
+    end: Option<Instant>,
+    limit: usize,
+) -> Result<Option<Vec<JointPositions>>, Failure> {
     // A filter delays, and a limit hides movement.
     let mut estimator = Estimator::new(EstimatorSettings::unchecked(Smoothing::Off));
     let mut positions = Vec::new();
-    let end = Instant::now() + TIME;
-    while !capture.is_live() || Instant::now() < end {
-        match capture.events().recv_timeout(Duration::from_millis(20)) {
+    while end.is_none_or(|time| Instant::now() < time) {
+        match events.recv_timeout(Duration::from_millis(20)) {
             Ok(CaptureEvent::Reading { reading, .. }) => {
                 positions.extend(measured(&mut estimator, &reading));
+                if positions.len() > limit {
+                    return Ok(None);
+                }
             }
-            Ok(CaptureEvent::End(_)) => break,
+            // A thread that is gone sends no end.
+            Ok(CaptureEvent::End(_)) | Err(RecvTimeoutError::Disconnected) => break,
             Ok(CaptureEvent::Lost(error) | CaptureEvent::Failed(error)) => return Err(error.into()),
-            Ok(_) | Err(_) => {}
+            Ok(_) | Err(RecvTimeoutError::Timeout) => {}
         }
     }
-    Ok(positions)
+    Ok(Some(positions))
 }
 
 /// Returns the joints that a reading shows, or `None` if it shows none.
@@ -135,4 +160,44 @@ fn describe_board(board: &BoardPose) -> String {
         millimetres(board.height),
         degrees(board.tilt)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ademan::capture::{Sample, SourceStats};
+    use ademan::hand::Joint;
+    use ademan::time::Timestamp;
+    use crossbeam_channel::unbounded;
+
+    /// Returns the events of a source that shows the joints so many times, and whose thread is gone then.
+    fn events(count: u64) -> Receiver<CaptureEvent> {
+        let (sender, events) = unbounded();
+        let mut positions = JointPositions::default();
+        positions.set(Joint::Elbow, [0.0; 3].into());
+        positions.set(Joint::Wrist, [0.0, 0.0, -0.25].into());
+        for time in 0..count {
+            let time = Timestamp(10_000 * time);
+            let reading = Reading::new(time, None, Sample::Joints { positions });
+            let event = CaptureEvent::Reading {
+                reading,
+                received_at: Instant::now(),
+                stats: SourceStats::default(),
+            };
+            sender.send(event).expect("the receiver is there");
+        }
+        events
+    }
+
+    #[test]
+    fn a_source_whose_thread_is_gone_is_at_its_end() {
+        let collected = collect_until(&events(3), None, 3).expect("no failure");
+        assert_eq!(collected.expect("few positions").len(), 3);
+    }
+
+    #[test]
+    fn a_source_with_too_many_positions_is_refused() {
+        let collected = collect_until(&events(4), None, 3).expect("no failure");
+        assert!(collected.is_none());
+    }
 }

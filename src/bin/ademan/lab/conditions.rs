@@ -354,6 +354,10 @@ impl Prepared {
                 "cannot score {}: {error}; `ademan lab plan` divides a long run into parts, of which an interruption loses none that is done",
                 escape(&document.file)
             )),
+            ScoreError::Trial(error @ ademan::trials::TrialError::NoLetters) => Failure::job(format!(
+                "cannot score {}: {error}; use --decoder off",
+                escape(&document.file)
+            )),
             other => Failure::job(format!("cannot score {}: {other}", escape(&document.file))),
         })
     }

@@ -8,12 +8,13 @@ use super::watch::Watch;
 use super::{CLEAR_TIME, HandState, MOVE_PACKETS, PRESS_PACKETS, Planner, PressedTip, TipState};
 use crate::contact::TargetId;
 use crate::contact::surface::Anchor;
-use crate::hand::{Finger, Joint};
+use crate::hand::{Finger, FingerSet, Joint};
 use crate::sim::action::TargetPoint;
 use crate::sim::action_error::ActionErrorKind;
 use crate::sim::assignment::FingerAssignment;
 use crate::sim::effector::{Effector, Limb};
 use crate::sim::movement::TipPath;
+use crate::sim::reach::pressing_fingers;
 use crate::sim::reach_target::ReachTarget;
 
 /// Shortest time of a movement of the joints of one finger.
@@ -83,7 +84,8 @@ impl Planner<'_> {
         all.collect()
     }
 
-    /// Presses a point with the first finger that reaches it and presses nothing else. Fails with the error of the best finger.
+    /// Presses a point with the first finger that reaches it and presses nothing else. Fails with the error of the best finger, or of
+    /// one that reaches the point and has another reason.
     pub(super) fn press_by_any(
         &mut self,
         point: TargetPoint,
@@ -91,19 +93,49 @@ impl Planner<'_> {
     ) -> Result<(), ActionErrorKind> {
         self.lift();
         let (state, count) = (self.state.clone(), self.movements.len());
-        let mut first_error = None;
+        let fingers = pressing_fingers(self.scene, point.target, state.motor.fingers);
+        let mut best: Option<ActionErrorKind> = None;
         for effector in self.effectors(point.target) {
             match self.press_with(effector, point, &height) {
                 Ok(()) => {
                     self.err(effector, point, &height, (&state, count));
                     return Ok(());
                 }
-                Err(error) => _ = first_error.get_or_insert(error),
+                Err(error) => {
+                    let is_counted = fingers.contains(effector.finger);
+                    if best
+                        .as_ref()
+                        .is_none_or(|it| is_counted && is_nearer(&error, it))
+                    {
+                        best = Some(error);
+                    }
+                }
             }
             self.state = state.clone();
             self.movements.truncate(count);
         }
-        Err(first_error.unwrap_or(ActionErrorKind::NotOnBoard))
+        let error = best.unwrap_or(ActionErrorKind::NotOnBoard);
+        Err(self.measured(error, point, fingers))
+    }
+
+    /// Replaces the distance of an error out of reach by that of a hand at rest, which the warnings about a layout name.
+    fn measured(
+        &self,
+        error: ActionErrorKind,
+        point: TargetPoint,
+        fingers: FingerSet,
+    ) -> ActionErrorKind {
+        let hand = &self.state.hand;
+        match error {
+            ActionErrorKind::OutOfReach { target, metres }
+                if !self.state.is_pinched && !hand.is_stiff() =>
+            {
+                let miss = hand.miss_of_fingers(self.scene, point.target, point.offset, fingers);
+                let metres = miss.map_or(metres, |miss| miss.distance);
+                ActionErrorKind::OutOfReach { target, metres }
+            }
+            other => other,
+        }
     }
 
     /// Replaces the press that is intended, the movements since a state and their number, by one with the errors of the person.
@@ -304,5 +336,17 @@ impl Planner<'_> {
             movement.is_down = true;
             movement.ends_down = ends_down;
         }
+    }
+}
+
+/// Returns `true` if a finger with the error `one` comes nearer to its target than a finger with the error `other`.
+fn is_nearer(one: &ActionErrorKind, other: &ActionErrorKind) -> bool {
+    match (one, other) {
+        (
+            ActionErrorKind::OutOfReach { metres, .. },
+            ActionErrorKind::OutOfReach { metres: others, .. },
+        ) => metres < others,
+        (_, ActionErrorKind::OutOfReach { .. }) => true,
+        _ => false,
     }
 }

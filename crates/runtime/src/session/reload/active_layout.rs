@@ -126,22 +126,26 @@ impl ActiveLayout {
         &self.layout.file
     }
 
-    /// Activates a text that is not saved. The active layout stays if it is invalid.
+    /// Activates a text that is not saved, perhaps of another file. The active layout stays if it is invalid.
     pub fn try_text(
         &mut self,
-        text: &str,
+        edited: Document,
         build: Build,
         link: &LayoutLink,
     ) -> Result<Result<(), String>, SessionEnded> {
-        let layout = match self.layout.with_text(text) {
+        let name = edited.file.clone();
+        let mut layout = match Layout::for_hands(edited, self.layout.fit) {
             Err(error) => return Ok(Err(format!("{error}\nthe active layout stays"))),
             Ok(layout) => layout,
         };
+        // The next trial finds it under the name that the session gives it.
+        layout.file.clone_from(&self.layout.file);
         match build(&layout) {
             Err(reason) => return Ok(Err(reason)),
-            Ok(instance) => link.activate(instance, self.profile, false)?,
+            Ok(instance) => link.activate_text_of(&name, instance, self.profile)?,
         }
-        self.is_trial = self.file.as_ref().is_some_and(|file| file.text() != text);
+        let file = self.file.as_ref();
+        self.is_trial = file.is_some_and(|file| file.text() != layout.text);
         self.layout = layout;
         Ok(Ok(()))
     }

@@ -10,6 +10,7 @@ use super::{FilePolicy, LayoutReport, LayoutSource, start};
 use crate::session::command_channel::CommandReceiver;
 use crate::session::layout_link::{LayoutOperation, LayoutRequest};
 use crate::session::reply::Reply;
+use ademan_core::document::Document;
 use ademan_core::layout::Layout;
 use ademan_core::pipeline::LayoutInstance;
 
@@ -93,7 +94,8 @@ impl TestLoop {
     /// Tries a text and waits for the outcome.
     pub fn try_text(&self, text: &str) -> Result<(), String> {
         let trial = self.commands.layouts().unwrap().trial();
-        let outcome = trial.start(&self.file, text).unwrap();
+        let edited = Document::new(self.file.as_str(), text);
+        let outcome = trial.start(&self.file, edited).unwrap();
         let start = Instant::now();
         while start.elapsed() < TIMEOUT {
             if let Some(outcome) = outcome.poll() {

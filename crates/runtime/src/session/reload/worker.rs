@@ -247,7 +247,7 @@ where
                 "not tried, as a recording holds one version of a layout; start again without it"
                     .into(),
             ),
-            Some(layout) => layout.try_text(&trial.text, &self.build, &self.link)?,
+            Some(layout) => layout.try_text(trial.edited, &self.build, &self.link)?,
             None => Err(format!(
                 "not tried, as the session does not use {}; start it with that layout",
                 escape(&trial.file)

@@ -6,7 +6,8 @@ use eframe::egui::{self, DragValue, Event};
 
 use super::EditorPanel;
 use super::form::DraggedField;
-use crate::editor::{Edit, FieldSpec, FieldType, Part, quoted};
+use crate::canvas::plan::at_start;
+use crate::editor::{ANCHOR, Edit, FieldSpec, FieldType, Part, quoted};
 use crate::panels::is_other_number;
 use crate::texts::text;
 
@@ -101,8 +102,10 @@ fn show_value(
         }
         FieldType::Choice(choices) => {
             let shown = if is_mixed { "" } else { shown };
-            if let Some(chosen) = show_choice(ui, field.name, shown, choices) {
-                set(panel, parts, field.name, Some(chosen));
+            let listed = with_default(choices, &default);
+            if let Some(chosen) = show_choice(ui, field.name, shown, &listed) {
+                let is_choice = choices.contains(&chosen.as_str());
+                set(panel, parts, field.name, is_choice.then_some(chosen));
             }
         }
         FieldType::Text => {
@@ -127,6 +130,21 @@ fn first_number(description: &str) -> Option<f64> {
     word.trim_end_matches(',').parse().ok()
 }
 
+/// Returns the choices of a field, after the words for its default if that is none of them: it is chosen by removing the field.
+fn with_default<'a>(choices: &[&'a str], default: &'a str) -> Vec<&'a str> {
+    let is_default = |choice: &&str| word(choice) == word(default);
+    let has_words = !["", "required"].contains(&default);
+    let is_extra = has_words && !choices.iter().any(is_default);
+    let extra = is_extra.then_some(default);
+    extra.into_iter().chain(choices.iter().copied()).collect()
+}
+
+/// Returns the word of a value, as lists show it.
+fn word(value: &str) -> &str {
+    let end = value.find('(').unwrap_or(value.len());
+    value[..end].trim_matches('"')
+}
+
 /// Returns the value that was chosen.
 pub(super) fn show_choice(
     ui: &mut egui::Ui,
@@ -134,13 +152,9 @@ pub(super) fn show_choice(
     shown: &str,
     choices: &[&str],
 ) -> Option<String> {
-    let word = |value: &str| {
-        let end = value.find('(').unwrap_or(value.len());
-        value[..end].trim_matches('"').to_owned()
-    };
     let shown = word(shown);
     let mut chosen = None;
-    let list = egui::ComboBox::from_id_salt(name).selected_text(&shown);
+    let list = egui::ComboBox::from_id_salt(name).selected_text(shown);
     list.show_ui(ui, |ui| {
         for choice in choices {
             let is_shown = word(choice) == shown;
@@ -306,11 +320,25 @@ fn has_typed(ui: &egui::Ui) -> bool {
 }
 
 fn set(panel: &mut EditorPanel, parts: &[Part], field: &str, value: Option<String>) {
+    if let Some(anchor) = value.as_deref().filter(|_| field == ANCHOR) {
+        set_anchor(panel, parts, anchor);
+        return;
+    }
     panel.apply(&Edit::SetField {
         parts: parts.to_vec(),
         field: field.to_owned(),
         value,
     });
+}
+
+/// Sets the anchor of parts. Boards stay where they are.
+fn set_anchor(panel: &mut EditorPanel, parts: &[Part], anchor: &str) {
+    panel.commit_drafts();
+    let reach = panel.reach.as_ref().zip(panel.editor.layout());
+    let hands = reach.map(|(reach, layout)| at_start(reach.hands_at_rest(layout)));
+    let hands = hands.unwrap_or_default();
+    let result = panel.editor.set_anchor(parts, anchor, &hands);
+    panel.report(result);
 }
 
 impl EditorPanel {
@@ -373,6 +401,27 @@ fn display_name(field: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_list_has_its_default_once_even_if_that_is_no_value() {
+        let key = Part::Control {
+            board: 0,
+            kind: crate::editor::ControlKind::Key,
+            index: 0,
+        };
+        let fields = crate::editor::fields_of(key);
+        let finger = fields.iter().find(|field| field.name == "finger").unwrap();
+        let FieldType::Choice(fingers) = finger.field_type else {
+            panic!("{finger:?}");
+        };
+        let listed = with_default(fingers, finger.default);
+        assert_eq!(listed[..2], ["none", "\"thumb\""]);
+        assert_eq!(listed[1..], *fingers);
+        let shapes = ["Flat", "Arc(radius_mm: 320)"];
+        for default in ["Flat", "Arc", "required"] {
+            assert_eq!(with_default(&shapes, default), shapes, "{default}");
+        }
+    }
 
     #[test]
     fn the_name_of_a_field_is_shown_without_its_unit() {
