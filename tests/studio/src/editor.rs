@@ -246,7 +246,6 @@ fn a_sequence_is_added_renamed_extended_and_bound_in_the_form() {
     press(&mut window, egui::Modifiers::COMMAND, egui::Key::S);
     let expected = ONE_KEY
         .replace("code: \"A\"", "action: Sequence(\"new line\")")
-        .replace("(0, 0))", "(0, 0), name: \"A\")")
         .replace(
             "    ],\n)",
             "    ],\n    sequences: {\"new line\": [Tap(\"Enter\"), Tap(\"End\")]},\n)",

@@ -297,9 +297,9 @@ mod tests {
         for _ in 0..1000 {
             hand.next().unwrap();
         }
-        let said: Vec<String> = messages.try_iter().collect();
+        let all: Vec<String> = messages.try_iter().collect();
         assert_eq!(
-            said,
+            all,
             [
                 "edited.ron: the simulated hand leaves out a character: no key of the layout types it"
             ]
