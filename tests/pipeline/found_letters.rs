@@ -4,22 +4,10 @@ use std::num::NonZeroU32;
 
 use ademan::capture::Hc11Format;
 use ademan::command::CommandOrigin;
-use ademan::setup::{LoadedSetup, Setup};
-use ademan::text::{TextModeSetup, TextSetup};
+use ademan::text::TextModeSetup;
 
-use crate::text::{Typed, play};
-
-fn setup(layout: &str, mode: Option<TextModeSetup>) -> LoadedSetup {
-    let setup = Setup {
-        layout: layout.into(),
-        text: mode.map(|mode| TextSetup {
-            mode,
-            ..TextSetup::default()
-        }),
-        ..Setup::default()
-    };
-    setup.load_files().expect("the shipped layout")
-}
+use super::swipes::setup;
+use super::text::{Typed, play};
 
 fn line(baud: u32) -> Hc11Format {
     Hc11Format {

@@ -10,7 +10,8 @@ use ademan::time::Timestamp;
 
 use super::text::{Typed, play};
 
-fn setup(layout: &str, mode: Option<TextModeSetup>) -> LoadedSetup {
+/// Loads a shipped layout, with a text decoder in this mode.
+pub fn setup(layout: &str, mode: Option<TextModeSetup>) -> LoadedSetup {
     let setup = Setup {
         layout: layout.into(),
         text: mode.map(|mode| TextSetup {

@@ -163,9 +163,9 @@ fn a_loop_that_hangs_leaves_no_note() {
     assert!(sensing <= 1, "{sensing}");
 }
 
-#[test]
-fn a_device_that_does_not_read_delays_no_step_and_loses_no_end_of_a_note() {
-    let (gate, opened) = crossbeam_channel::bounded::<()>(0);
+/// Returns an output whose device reads nothing until the sender is dropped, and what it has read.
+fn waiting_device() -> (Midi, crossbeam_channel::Sender<()>, Written) {
+    let (gate, opened) = crossbeam_channel::bounded(0);
     let written = Written::default();
     let log = Arc::clone(&written);
     let writer = move |message: &[u8]| {
@@ -175,6 +175,12 @@ fn a_device_that_does_not_read_delays_no_step_and_loses_no_end_of_a_note() {
     };
     let mut sink = Midi::start(Box::new(writer)).unwrap();
     sink.set_signals(&signals());
+    (sink, gate, written)
+}
+
+#[test]
+fn a_device_that_does_not_read_delays_no_step_and_loses_no_end_of_a_note() {
+    let (mut sink, gate, written) = waiting_device();
     sink.send(&[event(1, Velocity(C4, 1.0))]).unwrap();
     for step in 0..1000 {
         sink.send(&[event(2, Value(FADER, (step % 100) as f32 / 100.0))])
@@ -201,16 +207,7 @@ fn a_device_that_does_not_read_delays_no_step_and_loses_no_end_of_a_note() {
 
 #[test]
 fn a_controller_of_a_key_returns_with_the_layout_also_while_the_device_does_not_read() {
-    let (gate, opened) = crossbeam_channel::bounded::<()>(0);
-    let written = Written::default();
-    let log = Arc::clone(&written);
-    let writer = move |message: &[u8]| {
-        let _ = opened.recv();
-        log.lock().unwrap().push(message.to_vec());
-        Ok(())
-    };
-    let mut sink = Midi::start(Box::new(writer)).unwrap();
-    sink.set_signals(&signals());
+    let (mut sink, gate, written) = waiting_device();
     for step in 0..1000 {
         let depth = (step % 100 + 1) as f32 / 101.0;
         sink.send(&[event(1, Depth(PEDAL, depth))]).unwrap();
