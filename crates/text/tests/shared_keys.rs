@@ -61,8 +61,8 @@ fn nineteen_of_twenty_words_are_read_from_one_tap_a_letter() {
         let mut field = field();
         types(&mut field, &phrase);
         types(&mut field, " ");
-        let read = field.text.to_lowercase();
-        for (meant, read) in phrase.split(' ').zip(read.split(' ')) {
+        let text = field.text.to_lowercase();
+        for (meant, read) in phrase.split(' ').zip(text.split(' ')) {
             words += 1;
             right += usize::from(meant == read);
         }
