@@ -2,7 +2,7 @@
 
 mod support;
 
-use ademan_text::{Key, Keyboard, Options};
+use ademan_text::{Key, Keyboard, Mode, Options};
 use support::field::Field;
 use support::phrases::phrases;
 
@@ -76,15 +76,25 @@ fn each_letter_shows_the_likeliest_word_and_a_backspace_deletes_one() {
     let mut field = field();
     types(&mut field, "hello");
     assert_eq!(field.text, "hello");
-    types(&mut field, " ");
-    assert_eq!(field.text, "hello ");
     // It undoes no correction: what was typed is no word.
     field.backspace();
-    assert_eq!(field.text, "hello");
-    field.backspace();
-    field.backspace();
+    assert_eq!(field.text, "hell");
+    types(&mut field, "o ");
+    assert_eq!(field.text, "hello ");
+    for left in ["hello", "hell", "hel"] {
+        field.backspace();
+        assert_eq!(field.text, left);
+    }
     types(&mut field, "p ");
     assert_eq!(field.text, "help ");
+}
+
+#[test]
+fn the_first_letters_of_the_keys_are_a_word_like_any_other() {
+    let mut field = field();
+    // They spell `gap`.
+    types(&mut field, "he has ");
+    assert_eq!(field.text, "he has ");
 }
 
 #[test]
@@ -101,4 +111,18 @@ fn a_candidate_takes_the_place_of_the_word() {
     let other = other.expect("another word");
     Field::apply(&mut field.text, field.corrector.accept(other));
     assert_eq!(field.text, format!("{} ", texts[other]));
+}
+
+#[test]
+fn without_corrections_the_first_letters_are_shown_and_are_no_candidate() {
+    let mut field = field();
+    field.corrector.set_mode(Mode::Suggest);
+    types(&mut field, "home");
+    assert_eq!(field.text, "gmmd");
+    let candidates = field.corrector.candidates();
+    assert_eq!(candidates.len(), 3);
+    assert!(
+        candidates.iter().all(|it| it.text != "gmmd"),
+        "{candidates:?}"
+    );
 }
