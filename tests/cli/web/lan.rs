@@ -87,7 +87,7 @@ impl Server {
 
 /// Times that a text is typed: on a busy machine pictures, and with them readings, may come more than 200 ms after another,
 /// which stalls the session.
-const ATTEMPTS: u32 = 5;
+const ATTEMPTS: u32 = 12;
 
 /// Types a text until the state and the transcript of the program are as expected.
 fn type_until(
