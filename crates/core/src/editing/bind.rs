@@ -183,8 +183,8 @@ fn bind_base(draft: &mut Draft, part: Part, binding: &Binding) -> Result<Vec<Par
     Ok(parts)
 }
 
-/// Gives a key that has the name in its old action, or that of a copy, the name in its action, with a number if that is taken. The
-/// old name stays if the action has none, and if chords mention it and cannot mention the new one.
+/// Names a key after its new action, with a number if the name is taken. The key has the name of its old action or of a copy, and
+/// keeps it if the new action has no name, or if chords mention the old name and cannot mention the new one.
 fn name_after_action(
     draft: &mut Draft,
     key: Part,

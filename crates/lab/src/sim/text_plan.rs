@@ -240,11 +240,10 @@ impl<'a> Planner<'a> {
     fn taps(&self, action: KeyAction, letter: KeyAction) -> Option<usize> {
         let key = self.multitap(action)?;
         let index = key.letters.iter().position(|other| *other == letter)?;
-        let is_letter = |code: KeyCode| code.us_character(false).is_some_and(char::is_alphabetic);
-        match letter {
-            _ if !self.is_found(key) => Some(index + 1),
-            KeyAction::Key(code) => is_letter(code).then_some(1),
-            _ => None,
+        if self.is_found(key) {
+            letter.types_letter().then_some(1)
+        } else {
+            Some(index + 1)
         }
     }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::{LoadedSetup, SetupError};
+use super::{LoadedSetup, SetupError, TargetOutOfReach};
 use crate::capture::{Hc11Format, SampleKind, StreamFormat};
 use crate::sim::{
     self, ActionError, ActionErrorKind, HandAction, HandTask, Sensor, SimulatedStream,
@@ -206,10 +206,14 @@ impl LoadedSetup {
         text
     }
 
-    /// Returns the controls of another layout that the simulated hand cannot press although a hand of the setup
-    /// [reaches](super::HandReach::on_boards) them, with the reason and the remedy. Leaves out keys that are pressed by bending and
-    /// keys of chords.
-    pub fn controls_without_press(&self, layout: &Layout) -> Vec<(TargetId, String)> {
+    /// Returns the controls of another layout that the simulated hand cannot press, with the reason and the remedy. Leaves out the
+    /// targets [out of reach](super::HandReach::on_boards) of the hands of the setup, keys that are pressed by bending, and keys of
+    /// chords.
+    pub fn controls_without_press(
+        &self,
+        layout: &Layout,
+        out_of_reach: &[TargetOutOfReach],
+    ) -> Vec<(TargetId, String)> {
         let mut own = self.clone();
         own.layout = layout.clone();
         let Ok(hands) = own.hands(own.scripted_kind()) else {
@@ -224,7 +228,6 @@ impl LoadedSetup {
                 _ => None,
             }
         };
-        let out_of_reach = self.hand_reach().on_boards(layout);
         let is_tried = |target: &TargetId| {
             let found = layout.scene.target(*target);
             let is_bent = found.is_none_or(|(surface, _)| surface.is_bent());

@@ -83,9 +83,10 @@ impl ReachCheck {
         let (hands, setup) = (self.hands.clone(), self.setup.clone());
         let checked = Arc::clone(&layout);
         let check = move || {
+            let out_of_reach = hands.on_boards(&checked);
             let found = Found {
-                out_of_reach: hands.on_boards(&checked),
-                without_press: setup.controls_without_press(&checked),
+                without_press: setup.controls_without_press(&checked, &out_of_reach),
+                out_of_reach,
             };
             // The editor may be closed.
             let _ = sender.send(found);
@@ -315,7 +316,9 @@ mod tests {
             let Ok(layout) = Layout::for_hands(document, setup.layout.fit) else {
                 continue;
             };
-            assert_eq!(setup.controls_without_press(&layout), [], "{name}");
+            let out_of_reach = setup.hand_reach().on_boards(&layout);
+            let without_press = setup.controls_without_press(&layout, &out_of_reach);
+            assert_eq!(without_press, [], "{name}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! What each edit writes.
+//! The text that each edit writes.
 
 use super::*;
 use ademan_core::document::{Document, shipped_layouts};

@@ -15,8 +15,8 @@
 //! | any | pause, loss, stall, another key | partial, if inside a word | none; the person is learned, and nothing is pending any more |
 //! | partial | character that ends a word | typing | the character |
 //!
-//! Where letters share keys, [`Mode::Auto`] replaces what differs with each letter, and a Backspace deletes one character: what was
-//! typed there is no word that a person could mean.
+//! Where letters share keys, [`Mode::Auto`] corrects the text after each letter, and a Backspace deletes one character: the typed
+//! letters are only the first ones of their keys, so there is nothing to restore.
 //!
 //! In [`Mode::Literal`] every press is passed on as it is, and the decoder does not see it.
 

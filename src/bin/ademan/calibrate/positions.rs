@@ -77,7 +77,7 @@ fn collect(setup: &LoadedSetup, source: &SourceUri) -> Result<Vec<JointPositions
     }
 }
 
-/// Collects positions up to a time, the end of the source, or that of its thread. Returns `None` if there are more than `limit`.
+/// Collects positions up to a time, or until the source or its thread ends. Returns `None` if there are more than `limit`.
 fn collect_until(
     events: &Receiver<CaptureEvent>,
     end: Option<Instant>,
@@ -170,7 +170,7 @@ mod tests {
     use ademan::time::Timestamp;
     use crossbeam_channel::unbounded;
 
-    /// Returns the events of a source that shows the joints so many times, and whose thread is gone then.
+    /// Returns the events of a source that shows the joints `count` times before its thread ends.
     fn events(count: u64) -> Receiver<CaptureEvent> {
         let (sender, events) = unbounded();
         let mut positions = JointPositions::default();

@@ -54,6 +54,11 @@ impl KeyAction {
         }
     }
 
+    /// Returns `true` for a key that types a letter on a US keymap.
+    pub fn types_letter(self) -> bool {
+        matches!(self, Self::Key(code) if code.us_character(false).is_some_and(char::is_alphabetic))
+    }
+
     /// Returns `true` if a press with it ends the sequence that runs: the person types, clicks or holds a modifier again.
     pub(super) const fn ends_sequence(self) -> bool {
         matches!(

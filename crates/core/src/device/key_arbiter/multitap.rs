@@ -24,8 +24,8 @@ pub struct Multitap {
 impl Multitap {
     /// Returns `true` if the first two taps type letters of words, and not signs.
     pub fn has_word_letters(&self) -> bool {
-        let is_letter = |action: &KeyAction| matches!(action, KeyAction::Key(code) if code.us_character(false).is_some_and(char::is_alphabetic));
-        self.letters.len() > 1 && self.letters.iter().take(2).all(is_letter)
+        let mut first = self.letters.iter().take(2);
+        self.letters.len() > 1 && first.all(|letter| letter.types_letter())
     }
 }
 

@@ -118,7 +118,7 @@ impl Planner<'_> {
         Err(self.measured(error, point, fingers))
     }
 
-    /// Replaces the distance of an error out of reach by that of a hand at rest, which the warnings about a layout name.
+    /// Replaces the distance in an error out of reach by the distance for a hand at rest, which the warnings about a layout name.
     fn measured(
         &self,
         error: ActionErrorKind,

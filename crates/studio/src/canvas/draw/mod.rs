@@ -220,7 +220,7 @@ impl Pen<'_> {
             return;
         }
         let edge = if look == Look::Selected { 2.0 } else { 1.2 };
-        // The corners are those of the well on it.
+        // As round as the well on it.
         let stretch = (shape.half / item.shape.half).min_element();
         let radius = corner_radius(item) * stretch;
         let outer = self.outline(shape, (0.0, radius));
