@@ -40,6 +40,7 @@ pub struct ChannelMap {
     inputs: Vec<InputRow>,
     assumed: Vec<(Dof, f64)>,
     curvatures: Vec<(usize, f64)>,
+    hystereses: Vec<(usize, f64)>,
     ranges: Vec<(usize, CountRange)>,
     full_scale: u16,
     uses_full_range: bool,
@@ -48,6 +49,9 @@ pub struct ChannelMap {
 /// The largest [curvature](ChannelMap::with_curvatures) as a fraction of the full scale. The linear counts of more than a
 /// quarter would not rise with every count.
 pub const MAX_CURVATURE: f64 = 0.2;
+
+/// The largest [hysteresis](ChannelMap::with_hystereses) as a fraction of the full scale.
+pub const MAX_HYSTERESIS: f64 = 0.2;
 
 impl ChannelMap {
     /// Creates a map for converters with counts of 0..=`full_scale`.
@@ -65,6 +69,7 @@ impl ChannelMap {
             inputs: Vec::new(),
             assumed: Vec::new(),
             curvatures: Vec::new(),
+            hystereses: Vec::new(),
             ranges: Vec::new(),
             full_scale,
             uses_full_range: false,
@@ -97,6 +102,19 @@ impl ChannelMap {
         let limit = MAX_CURVATURE * f64::from(self.full_scale);
         assert!(curvatures.iter().all(|(_, counts)| counts.abs() <= limit));
         Self { curvatures, ..self }
+    }
+
+    /// Sets the hystereses of channels: the difference between the counts of one bend after the sensor has moved to it from either
+    /// side. A channel without one has none.
+    ///
+    /// # Panics
+    /// If a hysteresis is negative, or larger than [`MAX_HYSTERESIS`] of the full scale.
+    #[must_use]
+    pub fn with_hystereses(self, hystereses: Vec<(usize, f64)>) -> Self {
+        let limit = MAX_HYSTERESIS * f64::from(self.full_scale);
+        let mut counts = hystereses.iter().map(|(_, counts)| *counts);
+        assert!(counts.all(|counts| (0.0..=limit).contains(&counts)));
+        Self { hystereses, ..self }
     }
 
     /// Sets the smallest and the largest count of channels in the poses of their calibration. A channel without a range, or with
@@ -156,6 +174,18 @@ impl ChannelMap {
     /// Returns the curvatures of channels, in counts; see [`with_curvatures`](Self::with_curvatures).
     pub fn curvatures(&self) -> &[(usize, f64)] {
         &self.curvatures
+    }
+
+    /// Returns the hystereses of channels, in counts; see [`with_hystereses`](Self::with_hystereses).
+    pub fn hystereses(&self) -> &[(usize, f64)] {
+        &self.hystereses
+    }
+
+    /// Returns the hysteresis of a channel in counts, 0 if it has none.
+    pub fn hysteresis(&self, channel: usize) -> f64 {
+        let mut own = self.hystereses.iter();
+        let own = own.find(|(other, _)| *other == channel);
+        own.map_or(0.0, |(_, counts)| *counts)
     }
 
     /// Returns the calibrated ranges of channels, in counts; see [`with_ranges`](Self::with_ranges).

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use parry3d::math::Vec3;
 
+use super::hysteresis::HysteresisCompensation;
 use super::plausibility::{Implausible, Plausibility};
 use super::position_filter::PositionFilter;
 use super::samples::{ChannelConverter, SampleConverter};
@@ -37,6 +38,7 @@ pub struct Estimator {
     settings: EstimatorSettings,
     converter: SampleConverter,
     smoother: Smoother,
+    hysteresis: HysteresisCompensation,
     position_filter: Option<PositionFilter>,
     /// The estimate of the latest reading, updated in place because it is too large to move for every reading.
     estimate: Estimate,
@@ -83,6 +85,7 @@ impl Estimator {
             settings,
             converter: SampleConverter::new(),
             smoother: Smoother::new(settings.smoothing),
+            hysteresis: HysteresisCompensation::default(),
             position_filter: settings.position_smoothing.map(PositionFilter::new),
             estimate: Estimate::new(Timestamp::default(), JointAngles::default()),
             last: None,
@@ -101,6 +104,7 @@ impl Estimator {
     pub fn with_channels(mut self, map: &ChannelMap) -> Self {
         self.converter.set_channel_map(map, &self.settings);
         self.bend_ranges = BendRanges::of_glove(map);
+        self.hysteresis = HysteresisCompensation::new(map);
         self
     }
 
@@ -140,6 +144,10 @@ impl Estimator {
         }
         let angles = &mut self.estimate.angles;
         self.smoother.filter(angles, gap.as_secs_f64());
+        if self.estimate.jumped {
+            self.hysteresis.reset();
+        }
+        self.hysteresis.apply(angles);
         if let Some(limits) = &self.settings.limits {
             limits.clamp_all(angles);
         }

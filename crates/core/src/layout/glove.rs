@@ -9,7 +9,8 @@ use crate::document::{
     Document, DocumentError, Format, Spanned, Structure, Table, first_error, schema, tables_of,
 };
 use crate::estimate::{
-    AffineMap, ChannelMap, ChannelRow, CountRange, InputRow, JointLimits, MAX_CURVATURE, MAX_ROWS,
+    AffineMap, ChannelMap, ChannelRow, CountRange, InputRow, JointLimits, MAX_CURVATURE,
+    MAX_HYSTERESIS, MAX_ROWS,
 };
 use crate::hand::{Dof, Input, JointAngles, Side};
 use crate::names::UnknownName;
@@ -55,6 +56,10 @@ schema! {
         /// The counts by which a channel is above a straight line in the middle of the full scale, by channel.
         #[serde(default)]
         curvature_counts: BTreeMap<usize, f64>,
+        /// The counts by which a channel differs at one bend after closing and after opening, because its sensor lags behind the
+        /// movement, by channel. `ademan calibrate --hysteresis` measures them.
+        #[serde(default)]
+        hysteresis_counts: BTreeMap<usize, f64>,
         /// The smallest and the largest count in the poses of the calibration, by channel.
         #[serde(default)]
         range_counts: BTreeMap<usize, CountRange>,
@@ -148,6 +153,9 @@ impl Glove {
         let curvatures = schema
             .curvatures()
             .map_err(|message| document.error_at(&document.text, message))?;
+        let hystereses = schema
+            .hystereses()
+            .map_err(|message| document.error_at(&document.text, message))?;
         let ranges = schema
             .ranges()
             .map_err(|message| document.error_at(&document.text, message))?;
@@ -157,6 +165,7 @@ impl Glove {
                 .with_inputs(inputs.clone())
                 .with_assumed_angles(assumed.clone())
                 .with_curvatures(curvatures.clone())
+                .with_hystereses(hystereses.clone())
                 .with_ranges(ranges.clone())
                 .with_full_range(schema.uses_full_range)
         };
@@ -213,6 +222,26 @@ impl GloveSchema<'_> {
             }
         };
         self.range_counts.iter().map(check).collect()
+    }
+
+    /// Returns the hystereses of channels in counts. An error states what is wrong with one.
+    fn hystereses(&self) -> Result<Vec<(usize, f64)>, String> {
+        let limit = MAX_HYSTERESIS * f64::from(self.full_scale_counts.0);
+        let check = |(&channel, &counts): (&usize, &f64)| {
+            if !self.rows.iter().any(|row| row.channel.0 == channel) {
+                return Err(format!(
+                    "`hysteresis_counts` has channel {channel}, which no row has"
+                ));
+            }
+            if (0.0..=limit).contains(&counts) {
+                Ok((channel, counts))
+            } else {
+                Err(format!(
+                    "the hysteresis of channel {channel} is {counts} counts, 0 to {limit} are possible"
+                ))
+            }
+        };
+        self.hysteresis_counts.iter().map(check).collect()
     }
 
     /// Returns the curvatures of channels in counts. An error states what is wrong with one.
@@ -383,6 +412,28 @@ mod tests {
         );
         assert!(parse("1: 52").unwrap_err().contains("at most 51"));
         assert!(parse("1: NaN").unwrap_err().contains("at most 51"));
+    }
+
+    #[test]
+    fn a_hysteresis_is_of_a_channel_in_use_and_within_a_fifth_of_the_full_scale() {
+        let row = "(label: \"a\", dof: \"elbow-flexion\", channel: 1, offset_counts: 0, full_scale_rad: 2.55, offset_rad: 0)";
+        let parse = |hysteresis: &str| {
+            let text = format!(
+                "Glove(name: \"g\", side: \"right\", full_scale_counts: 255, hysteresis_counts: {{{hysteresis}}}, rows: [{row}])"
+            );
+            Glove::parse(&Document::new("g.ron", text)).map_err(|error| error.to_string())
+        };
+        let map = parse("1: 7.5").unwrap().map;
+        assert_eq!((map.hysteresis(1), map.hysteresis(2)), (7.5, 0.0));
+        for (hysteresis, message) in [
+            ("2: 1", "channel 2, which no row has"),
+            ("1: 52", "0 to 51 are possible"),
+            ("1: -1", "0 to 51 are possible"),
+            ("1: NaN", "0 to 51 are possible"),
+        ] {
+            let error = parse(hysteresis).unwrap_err();
+            assert!(error.contains(message), "{error}");
+        }
     }
 
     #[test]

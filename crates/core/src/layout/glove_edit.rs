@@ -43,11 +43,15 @@ pub fn write_calibration(
     let mut set = |name: &str, old_value: Option<&RawValue>, entries: Vec<String>| {
         edits.push(set_field(document, &raw, (name, old_value), &entries));
     };
+    let counts_of =
+        |(channel, counts): &(usize, f64)| format!("{channel}: {}", round(*counts, 1e2));
     if old.curvatures() != map.curvatures() {
-        let entry =
-            |(channel, counts): &(usize, f64)| format!("{channel}: {}", round(*counts, 1e2));
-        let entries = map.curvatures().iter().map(entry).collect();
+        let entries = map.curvatures().iter().map(counts_of).collect();
         set("curvature_counts", raw.curvature_counts, entries);
+    }
+    if old.hystereses() != map.hystereses() {
+        let entries = map.hystereses().iter().map(counts_of).collect();
+        set("hysteresis_counts", raw.hysteresis_counts, entries);
     }
     if old.ranges() != map.ranges() {
         let entry = |(channel, (low, high)): &(usize, CountRange)| {
@@ -115,6 +119,8 @@ struct RawGlove<'a> {
     full_scale_counts: &'a RawValue,
     #[serde(borrow, default)]
     curvature_counts: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    hysteresis_counts: Option<&'a RawValue>,
     #[serde(borrow, default)]
     range_counts: Option<&'a RawValue>,
     #[serde(borrow, default)]
@@ -201,6 +207,15 @@ Glove(
             cleared.contains("curvature_counts: {} /* 8 bits */"),
             "{cleared}"
         );
+    }
+
+    #[test]
+    fn hystereses_are_added_and_read_again() {
+        let lagging = map().with_hystereses(vec![(1, 7.654)]);
+        let text = write(&document(), &lagging);
+        assert!(text.contains("hysteresis_counts: {1: 7.65}"), "{text}");
+        let read = Glove::parse(&Document::new("mine.ron", text)).unwrap();
+        assert_eq!(read.map.hystereses(), [(1, 7.65)]);
     }
 
     #[test]

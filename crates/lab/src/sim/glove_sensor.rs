@@ -23,6 +23,10 @@ struct SensedChannel {
     channel: usize,
     mappings: Vec<(Dof, AffineMap)>,
     linearity: Linearity,
+    /// Half of the hysteresis of the glove file, in counts.
+    reach: f64,
+    /// The count in the middle of the hysteresis; `None` before the first reading.
+    middle: Option<f64>,
 }
 
 impl GloveSensor {
@@ -35,6 +39,8 @@ impl GloveSensor {
             channel,
             mappings: mappings(map, channel),
             linearity: map.linearity(channel),
+            reach: map.hysteresis(channel) / 2.0,
+            middle: None,
         });
         Self {
             full_scale: map.full_scale(),
@@ -85,9 +91,8 @@ impl GloveSensor {
     }
 
     fn measure_counts(&mut self, angles: &JointAngles, counts: &mut GloveCounts) {
-        for sensed in &self.channels {
-            let linear = sensed.linear_count(angles);
-            let count = sensed.linearity.apply_inverse(linear) + self.noise.value();
+        for sensed in &mut self.channels {
+            let count = sensed.follow(angles) + self.noise.value();
             // The ends of the range are left out, as they mean a broken wire.
             let max = f64::from(self.full_scale - 1);
             counts[sensed.channel] = count.round().clamp(1.0, max) as u16;
@@ -96,6 +101,15 @@ impl GloveSensor {
 }
 
 impl SensedChannel {
+    /// Bends the sensor, which follows the joint at a distance of half its hysteresis, and returns its count.
+    fn follow(&mut self, angles: &JointAngles) -> f64 {
+        let goal = self.linearity.apply_inverse(self.linear_count(angles));
+        let middle = self.middle.unwrap_or(goal);
+        let middle = middle.clamp(goal - self.reach, goal + self.reach);
+        self.middle = Some(middle);
+        middle
+    }
+
     /// Returns the count of a channel without curvature: the mean over its angles, which describe the same bend.
     fn linear_count(&self, angles: &JointAngles) -> f64 {
         let counts = self.mappings.iter();

@@ -59,11 +59,12 @@ impl Station {
         let fit = Fit::new(&assumed[0], assumed.get(1))?;
         let layout = Layout::for_hands(document.clone(), fit)?;
         let map = |&side: &Side| -> Result<Option<ChannelMap>, DocumentError> {
-            if source != SourceKind::Glove {
+            if !source.is_glove() {
                 return Ok(None);
             }
             let name = GLOVES[usize::from(side == Side::Left)];
-            Ok(Some(Glove::parse(&Document::shipped(name)?)?.map))
+            let glove = Glove::parse(&Document::shipped(name)?)?;
+            Ok(Some(source.channel_map(glove.map, person)))
         };
         let maps = sides.iter().map(map).collect::<Result<Vec<_>, _>>()?;
         let keys = TypingKeys::new(&layout);

@@ -243,7 +243,7 @@ impl Station {
             noise: match (seed, self.source) {
                 (None, _) | (_, SourceKind::Ideal) => 0.0,
                 (_, SourceKind::Camera) => CAMERA_NOISE,
-                (_, SourceKind::Glove) => GLOVE_NOISE,
+                (_, SourceKind::Glove | SourceKind::MeasuredGlove) => GLOVE_NOISE,
             },
             seed: seed.unwrap_or_default(),
             person: match seed {

@@ -185,9 +185,10 @@ fn typing(layout: &str, source: SourceKind, people: &[Participant], phrases: usi
         let texts = corpus.phrases.iter().skip(number * phrases).take(phrases);
         let texts: Vec<&str> = texts.map(String::as_str).collect();
         let strokes = station.strokes_for(texts.iter().copied());
-        let gloves: &[&str] = match source {
-            SourceKind::Glove => &["unam-hc11", "unam-hc11-left"],
-            _ => &[],
+        let gloves: &[&str] = if source.is_glove() {
+            &["unam-hc11", "unam-hc11-left"]
+        } else {
+            &[]
         };
         let arms = station.assumed_arms().to_vec();
         for (seed, text) in texts.into_iter().enumerate() {

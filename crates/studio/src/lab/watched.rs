@@ -11,7 +11,7 @@ use crate::playback::Recording;
 use ademan_core::document::Document;
 use ademan_core::estimate::LANDMARK_SMOOTHING;
 use ademan_core::hand::Side;
-use ademan_core::kinematics::{ArmModel, BoneLengths};
+use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::{Fit, Layout};
 use ademan_core::message::escape_path;
 use ademan_core::time::Timestamp;
@@ -96,8 +96,8 @@ pub fn watch(
         .with(|decoding| watch_worst_phrase(&conditions, decoding, index))?;
     let phrase = phrase.map_err(|error| error.to_string())?;
     let phrase = phrase.ok_or("this layout does not type; tasks cannot be watched")?;
-    let bones = participants[index].assumed;
-    let setup = setup(&request.settings, &request.layout, (&bones, &phrase.arms))?;
+    let person = (&participants[index], phrase.arms.as_slice());
+    let setup = setup(&request.settings, &request.layout, person)?;
     let file = record(&setup, &phrase)?;
     let recording = Recording {
         path: file.0.clone(),
@@ -125,8 +125,9 @@ impl LabOutcome {
 fn setup(
     settings: &LabSettings,
     layout: &Document,
-    (bones, arms): (&BoneLengths, &[ArmModel]),
+    (person, arms): (&Participant, &[ArmModel]),
 ) -> Result<LoadedSetup, String> {
+    let bones = person.assumed;
     let smoothing = LANDMARK_SMOOTHING;
     let arm = || ArmSetup::Measured {
         hand_length_mm: bones.hand * 1e3,
@@ -149,7 +150,7 @@ fn setup(
                 beta: smoothing.beta,
                 derivative_cutoff_hz: smoothing.derivative_cutoff_hz,
             },
-            SourceKind::Ideal | SourceKind::Glove => PositionSmoothingSetup::Off,
+            _ => PositionSmoothingSetup::Off,
         },
         ..Setup::default()
     };
@@ -171,10 +172,14 @@ fn setup(
             _ => loaded.arm = own.clone(),
         }
     }
-    if settings.source != SourceKind::Glove {
-        loaded.glove = None;
-        if let Some(other) = &mut loaded.other_hand {
-            other.glove = None;
+    let other = loaded.other_hand.iter_mut();
+    let gloves = other
+        .map(|other| &mut other.glove)
+        .chain([&mut loaded.glove]);
+    for glove in gloves {
+        *glove = glove.take().filter(|_| settings.source.is_glove());
+        if let Some(glove) = glove {
+            glove.map = settings.source.channel_map(glove.map.clone(), person);
         }
     }
     Ok(loaded)
@@ -271,7 +276,7 @@ mod tests {
 
     #[test]
     fn the_pipeline_of_the_player_types_what_the_person_of_the_lab_types() {
-        for source in [SourceKind::Ideal, SourceKind::Camera, SourceKind::Glove] {
+        for &source in SourceKind::ALL {
             let mut request = request(None);
             request.settings.source = source;
             assert_same(request, 1);

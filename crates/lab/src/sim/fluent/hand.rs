@@ -123,7 +123,7 @@ impl FluentHand {
         posture: StartPosture,
     ) -> Self {
         let side = setup.assumed.side();
-        let map = setup.map.filter(|_| setup.source == SourceKind::Glove);
+        let map = setup.map.filter(|_| setup.source.is_glove());
         let hand = match map {
             Some(map) => TypingHand::new(setup.own, map),
             None => TypingHand::without_glove(setup.own),
@@ -134,7 +134,8 @@ impl FluentHand {
             .collect();
         let estimator = Estimator::new(EstimatorSettings::unchecked(Smoothing::Off));
         let unfiltered = match map {
-            Some(map) => estimator.with_channels(map),
+            // What the sensors show on average has no direction.
+            Some(map) => estimator.with_channels(&map.clone().with_hystereses(Vec::new())),
             None => estimator,
         };
         let index = &fingers[Finger::Index.index()];

@@ -21,6 +21,8 @@ named_enum! {
         Camera = "camera",
         /// The glove of the program, 175 packets a second, with gain errors, backlash, lag and counts of 8 bits.
         Glove = "glove",
+        /// The same glove, whose backlash the pipeline knows from a measurement with an error of up to a fifth.
+        MeasuredGlove = "measured-glove",
     }
 }
 
@@ -28,9 +30,33 @@ impl SourceKind {
     /// Returns the readings of a hand a second.
     pub fn rate_hz(self) -> f64 {
         match self {
-            Self::Ideal | Self::Glove => 175.0,
             Self::Camera => 60.0,
+            _ => 175.0,
         }
+    }
+
+    /// Returns `true` for a glove.
+    pub fn is_glove(self) -> bool {
+        matches!(self, Self::Glove | Self::MeasuredGlove)
+    }
+
+    /// Returns the channels of the pipeline of a person who wears the glove of `map`: with the backlash that was measured, if it was.
+    pub fn channel_map(self, map: ChannelMap, person: &Participant) -> ChannelMap {
+        if self != Self::MeasuredGlove {
+            return map;
+        }
+        let mut draw = Draw::new(person.seed, 0x4e57);
+        let mut hystereses: Vec<(usize, f64)> = Vec::new();
+        for row in map.rows() {
+            if !hystereses
+                .iter()
+                .any(|(channel, _)| *channel == row.channel)
+            {
+                let measured = backlash(person, row.dof) * draw.between(1.0 - OFF, 1.0 + OFF);
+                hystereses.push((row.channel, measured / row.calibration.gain.abs()));
+            }
+        }
+        map.with_hystereses(hystereses)
     }
 
     /// Returns one sentence about the errors.
@@ -40,6 +66,7 @@ impl SourceKind {
             Self::Camera => {
                 "joint positions, 60 Hz; noise 1 mm across and 3 mm along the line of sight (?), 1 % of the pictures lost"
             }
+            Self::MeasuredGlove => "as `glove`, with the backlash measured to within a fifth (?)",
             Self::Glove => {
                 "the glove that comes with the program, 175 Hz, 8 bits; gains off by up to 10 %, backlash 2 to 5° in the fingers and a tenth of it in the arm, lag 20 ms (?)"
             }
@@ -56,6 +83,15 @@ const KEPT: f64 = 0.5;
 const LOST: f64 = 0.01;
 /// The time constant of a bend sensor, in seconds ?.
 const LAG: f64 = 0.02;
+
+/// The largest error of a measured backlash, as a fraction ?.
+const OFF: f64 = 0.2;
+
+/// Returns the backlash of the sensor of an angle, in radians.
+fn backlash(person: &Participant, dof: Dof) -> f64 {
+    let part = if dof.finger().is_some() { 1.0 } else { 0.1 };
+    person.glove_backlash_deg.to_radians() * part
+}
 
 /// The sensors of one hand.
 #[derive(Clone)]
@@ -85,7 +121,7 @@ impl SourceModel {
         seed: u64,
     ) -> Self {
         let draw = Draw::new(seed, 0x5e45);
-        let glove = map.filter(|_| kind == SourceKind::Glove);
+        let glove = map.filter(|_| kind.is_glove());
         let glove = glove.map(|channel_map| {
             let mut angles: Vec<(Dof, f64, f64, f64)> = Vec::new();
             // The errors belong to the person's glove and are the same in every run.
@@ -96,12 +132,12 @@ impl SourceModel {
                 }
                 let error = person.glove_gain_error;
                 let gain = 1.0 + own.between(-error, error);
-                let backlash = person.glove_backlash_deg.to_radians();
-                let part = if row.dof.finger().is_some() { 1.0 } else { 0.1 };
-                angles.push((row.dof, gain, backlash * part, 0.0));
+                angles.push((row.dof, gain, backlash(person, row.dof), 0.0));
             }
+            // Each angle has a backlash of its own here.
+            let exact = channel_map.clone().with_hystereses(Vec::new());
             GloveErrors {
-                sensor: GloveSensor::new(channel_map, Noise::new(0.0, 0)),
+                sensor: GloveSensor::new(&exact, Noise::new(0.0, 0)),
                 angles,
                 is_started: false,
             }
@@ -152,7 +188,7 @@ impl SourceModel {
                     self.add_noise(positions);
                 }
             }
-            (None, SourceKind::Ideal | SourceKind::Glove) => match sample {
+            (None, _) => match sample {
                 Sample::Angles { angles: shown } => *shown = *angles,
                 other => *other = Sample::Angles { angles: *angles },
             },
