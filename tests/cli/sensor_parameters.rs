@@ -167,3 +167,67 @@ fn the_documented_script_has_all_holds() {
     }
     assert!(complete.count() >= 8, "{out}");
 }
+
+/// Calibrates in a folder. Returns the glove file that it writes.
+fn calibrate(folder: &TempDir, arguments: &[&str]) -> ChannelMap {
+    let out = folder.path().join("lagging.ron");
+    let all = ["calibrate", "--force", "--out", text(&out)];
+    let written = run(all.iter().chain(arguments)).done().out;
+    println!("{written}");
+    Glove::load(text(&out)).expect("the written glove").map
+}
+
+#[test]
+fn the_hysteresis_of_a_recording_is_written_to_the_glove_file() {
+    let map = glove();
+    let folder = tempfile::tempdir().unwrap();
+    let errors = SensorErrors {
+        hysteresis: 0.03,
+        noise: 0.002,
+        ..Default::default()
+    };
+    let mut person = SimulatedWearer::new(2, &map, Side::Right);
+    let source = record(&folder, person.cycles(4, errors, &map));
+    let path = source.trim_start_matches("recording:");
+    let written = calibrate(&folder, &["--glove", "unam-hc11", "--hysteresis", path]);
+    assert!(
+        written.hystereses().len() >= 4,
+        "{:?}",
+        written.hystereses()
+    );
+    for &(channel, counts) in written.hystereses() {
+        assert!((counts - 7.65).abs() < 1.0, "{counts} on channel {channel}");
+    }
+    assert_eq!(written.rows(), map.rows());
+}
+
+#[test]
+fn a_typical_hysteresis_is_a_part_of_the_ranges_of_the_fingers() {
+    let folder = tempfile::tempdir().unwrap();
+    let mine = folder.path().join("mine.ron");
+    run(["calibrate", "--demo", "--out", text(&mine)]).done();
+    let ranges = Glove::load(text(&mine)).expect("a calibrated glove").map;
+    let written = calibrate(&folder, &["--glove", text(&mine), "--hysteresis", "5%"]);
+    assert!(written.hystereses().len() >= 8);
+    for row in written.rows() {
+        let expected = match (row.dof.finger(), ranges.range(row.channel)) {
+            (Some(_), Some((low, high))) => (high - low) * 0.05,
+            _ => 0.0,
+        };
+        let counts = written.hysteresis(row.channel);
+        assert!((counts - expected).abs() < 0.51, "{}: {counts}", row.dof);
+    }
+    let again = folder.path().join("lagging.ron");
+    let removed = calibrate(&folder, &["--glove", text(&again), "--hysteresis", "0%"]);
+    assert_eq!(removed.hystereses(), []);
+    let glove = ["calibrate", "--glove", "unam-hc11", "--hysteresis"];
+    let out = ["--out", text(&again), "--force"];
+    for (value, message) in [
+        ("4%", "calibrate the glove first"),
+        ("30%", "expected 0 to 20 percent"),
+    ] {
+        let failed = run(glove.iter().chain(&[value]).chain(&out));
+        assert_eq!(failed.code, Some(2));
+        assert!(failed.err.contains(message), "{}", failed.err);
+    }
+}

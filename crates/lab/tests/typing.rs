@@ -97,6 +97,24 @@ fn no_finger_turns_too_fast_for_the_pipeline() {
 }
 
 #[test]
+fn a_known_backlash_brings_back_what_ten_fingers_in_a_glove_lose() {
+    let people = population(&People::Drawn(16), Some(Tier::T0), 2);
+    let ten: Vec<_> = people
+        .into_iter()
+        .filter(|it| it.fingers.len() == 5)
+        .collect();
+    assert!(ten.len() >= 3, "{}", ten.len());
+    let wrong = |source| {
+        summarize(&Run::new("qwerty-flat").of(&ten, source))
+            .cer
+            .value
+    };
+    let (unknown, known) = (wrong(SourceKind::Glove), wrong(SourceKind::MeasuredGlove));
+    assert!(unknown > 0.04, "{unknown}");
+    assert!(known < 0.3 * unknown, "{known} of {unknown}");
+}
+
+#[test]
 fn the_number_of_threads_changes_nothing() {
     let people = population(&People::Drawn(5), None, 11);
     let scores = |jobs| {

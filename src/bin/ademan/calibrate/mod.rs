@@ -4,6 +4,7 @@ pub mod destination;
 mod discover;
 mod feed;
 mod figure;
+mod hysteresis;
 mod lengths;
 mod positions;
 mod recording;
@@ -27,6 +28,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use self::destination::Destination;
 use self::feed::Feed;
+use self::hysteresis::Hysteresis;
 use self::lengths::LengthArgs;
 use self::session::{Outcome, Session};
 use crate::failure::Failure;
@@ -37,7 +39,7 @@ use crate::{complete, messages, signals};
 /// Fit a glove file to a hand: take the poses that are shown, and hold each for a second
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n  ademan calibrate --discover --source 'tcp:localhost:10002' --out new-glove.ron\n\nNothing is typed during a calibration. The readings are kept beside the glove file, and --from calibrates with them again."
+    after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n  ademan calibrate --discover --source 'tcp:localhost:10002' --out new-glove.ron\n  ademan calibrate --hysteresis cycles.mcap --glove my-glove.ron\n\nNothing is typed during a calibration. The readings are kept beside the glove file, and --from calibrates with them again."
 )]
 pub struct Args {
     /// Setup file
@@ -61,6 +63,10 @@ pub struct Args {
     /// Find the channels of a glove without a file: bend one finger after the other. Calibrate with the new file afterwards
     #[arg(long, conflicts_with_all = ["from", "glove"])]
     discover: bool,
+    /// Write how far the sensors lag behind the movement, which is compensated then: a recording of sensor cycles, or a typical
+    /// percentage of the ranges of the fingers, such as 4%
+    #[arg(long, value_name = "RECORDING|PERCENT", conflicts_with_all = ["from", "demo", "discover", "source"], add = complete::recording())]
+    hysteresis: Option<Hysteresis>,
     /// Hand of the glove whose channels are found
     #[arg(long, default_value = "right", requires = "discover", value_parser = side())]
     hand: Side,
@@ -95,6 +101,7 @@ impl Args {
             demo: None,
             demo_glove: None,
             discover: false,
+            hysteresis: None,
             hand: Side::Right,
             countdown,
             source: Some(source),
@@ -139,6 +146,9 @@ pub fn run(args: Args) -> Result<(), Failure> {
 
 /// Calibrates a glove. A session that was quit returns [`Outcome::Quit`] and has written no file.
 pub fn calibrate(args: Args) -> Result<Outcome, Failure> {
+    if let Some(hysteresis) = args.hysteresis.clone() {
+        return hysteresis::run(&hysteresis, args).map(|()| Outcome::Finished);
+    }
     match args.from.clone() {
         Some(path) => calibrate_from(&path, args).map(|()| Outcome::Finished),
         None if args.discover => discover::run(args),
@@ -219,6 +229,12 @@ fn calibrate_live(args: Args) -> Result<Outcome, Failure> {
         let file = destination.as_word();
         let mut out = io::stdout();
         writeln!(out, "use it: ademan run --glove {file} --source …")?;
+        if start.glove.map.hystereses().is_empty() && !start.glove.map.uses_full_range() {
+            writeln!(
+                out,
+                "if bend sensors lag behind the fingers: ademan calibrate --hysteresis 4% --glove {file}"
+            )?;
+        }
     }
     // A failure to keep the recording is reported last: it loses less than a failure to write the glove file.
     kept.map(|()| Outcome::Finished)
