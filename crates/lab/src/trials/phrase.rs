@@ -202,6 +202,7 @@ impl Station {
                 };
                 let is_exact = index >= length;
                 self.plan(step, is_exact, &mut session, seconds, observed);
+                reader.note_stroke(session.bottom);
                 planned.push((session.bottom, index + 1));
             }
             self.read(&mut session, seconds, period, observed);

@@ -40,6 +40,10 @@ pub(super) struct Proofreader {
     settled: (usize, usize),
     seen: Option<Seen>,
     left: usize,
+    /// The Backspaces of the present correction that are not planned yet.
+    backspaces: usize,
+    /// The time of the lowest point of the last planned one, in seconds.
+    corrected_at: f64,
 }
 
 impl Proofreader {
@@ -52,6 +56,8 @@ impl Proofreader {
             settled: (0, 0),
             seen: None,
             left: MOST * presented.len(),
+            backspaces: 0,
+            corrected_at: 0.0,
             presented,
         }
     }
@@ -65,6 +71,14 @@ impl Proofreader {
         }
     }
 
+    /// Notes the next planned stroke, by the time of its lowest point in seconds.
+    pub(super) fn note_stroke(&mut self, bottom: f64) {
+        if self.backspaces > 0 {
+            self.backspaces -= 1;
+            self.corrected_at = bottom;
+        }
+    }
+
     /// Decides what to do at a time in seconds. `done` is the number of presented characters whose strokes have pressed, and `end` is
     /// when the last stroke that has begun is over.
     pub(super) fn decide(
@@ -75,6 +89,10 @@ impl Proofreader {
         draw: &mut Draw,
     ) -> Decision {
         if self.probability <= 0.0 || self.left == 0 {
+            return Decision::Type;
+        }
+        // The text is wrong until the last Backspace: that is no other error, about which the person would decide again.
+        if self.backspaces > 0 || now < self.corrected_at {
             return Decision::Type;
         }
         let Some((typed_before, right)) = self.first_error(typed) else {
@@ -99,8 +117,9 @@ impl Proofreader {
         }
         self.seen = None;
         self.left -= 1;
+        self.backspaces = length - typed_before;
         Decision::Correct {
-            backspaces: length - typed_before,
+            backspaces: self.backspaces,
             from: right,
         }
     }
@@ -133,23 +152,52 @@ mod tests {
     fn an_error_is_corrected_when_it_was_noticed_and_the_hand_is_still() {
         let mut draw = Draw::new(1, 1);
         let mut careful = reader(1.0);
-        let mut decide = |typed, now, end| careful.decide(typed, (now, end), 1, &mut draw);
-        assert_eq!(decide("a", 1.0, 1.0), Decision::Type);
-        assert_eq!(decide("ax", 1.1, 1.2), Decision::Type);
-        assert_eq!(decide("ax", 1.45, 1.45), Decision::Wait);
+        let mut decide = |reader: &mut Proofreader, typed, now, end| {
+            reader.decide(typed, (now, end), 1, &mut draw)
+        };
+        assert_eq!(decide(&mut careful, "a", 1.0, 1.0), Decision::Type);
+        assert_eq!(decide(&mut careful, "ax", 1.1, 1.2), Decision::Type);
+        assert_eq!(decide(&mut careful, "ax", 1.45, 1.45), Decision::Wait);
         let correct = Decision::Correct {
             backspaces: 2,
             from: 1,
         };
-        assert_eq!(decide("axc", 1.6, 1.45), correct);
-        assert_eq!(decide("abc", 2.0, 1.9), Decision::Type);
+        assert_eq!(decide(&mut careful, "axc", 1.6, 1.45), correct);
+        for bottom in [1.7, 1.8] {
+            careful.note_stroke(bottom);
+        }
+        assert_eq!(decide(&mut careful, "abc", 2.0, 1.9), Decision::Type);
         // A character too many.
-        assert_eq!(decide("abcc", 2.1, 2.1), Decision::Type);
+        assert_eq!(decide(&mut careful, "abcc", 2.1, 2.1), Decision::Type);
         let removed = Decision::Correct {
             backspaces: 1,
             from: 3,
         };
-        assert_eq!(decide("abcc", 2.6, 2.1), removed);
+        assert_eq!(decide(&mut careful, "abcc", 2.6, 2.1), removed);
+    }
+
+    #[test]
+    fn a_person_looks_again_only_when_the_last_backspace_is_pressed() {
+        let mut draw = Draw::new(1, 1);
+        let mut careful = reader(1.0);
+        let mut decide = |reader: &mut Proofreader, typed, now, end| {
+            reader.decide(typed, (now, end), 1, &mut draw)
+        };
+        assert_eq!(decide(&mut careful, "axc", 1.0, 1.0), Decision::Type);
+        let correct = |backspaces| Decision::Correct {
+            backspaces,
+            from: 1,
+        };
+        assert_eq!(decide(&mut careful, "axc", 1.4, 1.0), correct(2));
+        // The text stays wrong for longer than the person needs to see an error.
+        assert_eq!(decide(&mut careful, "axc", 1.41, 1.0), Decision::Type);
+        careful.note_stroke(1.7);
+        assert_eq!(decide(&mut careful, "ax", 1.8, 1.9), Decision::Type);
+        careful.note_stroke(2.2);
+        assert_eq!(decide(&mut careful, "ax", 2.1, 2.3), Decision::Type);
+        // The second Backspace pressed nothing.
+        assert_eq!(decide(&mut careful, "ax", 2.2, 2.3), Decision::Type);
+        assert_eq!(decide(&mut careful, "ax", 2.6, 2.3), correct(1));
     }
 
     #[test]
