@@ -61,6 +61,29 @@ impl Strokes {
         let is_known = |character: &char| self.known.contains_key(character);
         phrase.chars().filter(is_known).collect()
     }
+
+    /// Returns the strokes of a typable phrase from a character on, each with the number of characters that are typed after it. A decoder
+    /// corrects a word at its end: a space follows with `ends_with_space`, which is not part of the phrase.
+    fn steps(
+        &self,
+        presented: &str,
+        first: usize,
+        ends_with_space: bool,
+    ) -> VecDeque<(usize, &Step)> {
+        let known = &self.known;
+        let characters = presented.chars().enumerate().skip(first);
+        let steps = characters.flat_map(|(index, it)| {
+            let own = &known[&it];
+            let last = own.len().saturating_sub(1);
+            // Shift or a layer has typed nothing yet.
+            let numbered = own.iter().enumerate();
+            numbered.map(move |(place, step)| (index + usize::from(place == last), step))
+        });
+        let space = known.get(&' ').filter(|_| ends_with_space);
+        let after = presented.chars().count() + 1;
+        let space = space.into_iter().flatten().map(|step| (after, step));
+        steps.chain(space).collect()
+    }
 }
 
 /// A stroke that is meant.
@@ -155,18 +178,7 @@ impl Station {
         let presented = strokes.typable(phrase);
         let length = presented.chars().count();
         let is_decoded = self.recorder.is_some();
-        let steps_from = |first: usize| {
-            let characters = presented.chars().enumerate().skip(first);
-            let steps = characters.flat_map(|(index, it)| {
-                let steps = strokes.known[&it].iter();
-                steps.map(move |step| (index, step))
-            });
-            // A decoder corrects a word at its end: with a space that is not part of the phrase, and hits.
-            let space = strokes.known.get(&' ').filter(|_| is_decoded);
-            let space = space.into_iter().flatten().map(|step| (length, step));
-            steps.chain(space).collect::<VecDeque<(usize, &Step)>>()
-        };
-        let mut steps = steps_from(0);
+        let mut steps = strokes.steps(&presented, 0, is_decoded);
         let first: Vec<&Step> = steps.iter().map(|(_, step)| *step).collect();
         for hand in &mut self.hands {
             hand.restart(seed);
@@ -190,20 +202,21 @@ impl Station {
             if let (Decision::Correct { backspaces, from }, Some(step)) =
                 (decision, &strokes.backspace)
             {
-                steps = steps_from(from);
+                steps = strokes.steps(&presented, from, is_decoded);
                 for _ in 0..backspaces {
                     steps.push_front((from, step));
                 }
             }
             let is_ready = seconds >= clear && decision != Decision::Wait;
             while is_ready && session.bottom <= seconds + AHEAD {
-                let Some((index, step)) = steps.pop_front() else {
+                let Some((typed_then, step)) = steps.pop_front() else {
                     break;
                 };
-                let is_exact = index >= length;
+                // The space that is not part of the phrase hits.
+                let is_exact = typed_then > length;
                 self.plan(step, is_exact, &mut session, seconds, observed);
                 reader.note_stroke(session.bottom);
-                planned.push((session.bottom, index + 1));
+                planned.push((session.bottom, typed_then));
             }
             self.read(&mut session, seconds, period, observed);
             let is_over = steps.is_empty() && decision == Decision::Type;
@@ -395,4 +408,38 @@ fn are_neighbors(layout: &Layout, a: TargetId, b: TargetId) -> bool {
 /// Returns the speed of correct characters in words per minute, of several phrases together.
 pub(crate) fn speed(correct: usize, phrases: usize, seconds: f64) -> f64 {
     words_per_minute((correct + 1).saturating_sub(phrases), seconds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_capital_is_typed_after_its_last_stroke_and_not_after_shift() {
+        let step = |target| Step {
+            hand: 0,
+            finger: Finger::Index,
+            targets: vec![TargetId(target)],
+            is_bent: false,
+        };
+        let strokes = Strokes {
+            known: BTreeMap::from([
+                ('a', vec![step(1)]),
+                ('A', vec![step(0), step(1)]),
+                (' ', vec![step(2)]),
+            ]),
+            untypable: Vec::new(),
+            unreached: Vec::new(),
+            backspace: None,
+        };
+        let typed_after = |first, ends_with_space| {
+            let steps = strokes.steps("Aa", first, ends_with_space);
+            let steps = steps
+                .iter()
+                .map(|(typed, step)| (*typed, step.targets[0].0));
+            steps.collect::<Vec<_>>()
+        };
+        assert_eq!(typed_after(0, false), [(0, 0), (1, 1), (2, 1)]);
+        assert_eq!(typed_after(1, true), [(2, 1), (3, 2)]);
+    }
 }
