@@ -99,12 +99,10 @@ pub fn watch_worst_phrase(
 
 /// Returns `true` if a stroke pressed something else than it meant, or nothing.
 fn has_failed(stroke: &Stroke) -> bool {
-    let is_meant = |(target, _): &(crate::contact::TargetId, _)| *target == stroke.target;
     match stroke.kind {
         StrokeKind::Spurious => !stroke.presses.is_empty(),
         StrokeKind::Meant | StrokeKind::Shallow => {
-            let others = stroke.presses.len() > stroke.keys.max(1);
-            others || !stroke.presses.iter().any(is_meant)
+            stroke.presses.len() > stroke.targets.len() || !stroke.has_hit()
         }
     }
 }

@@ -32,8 +32,8 @@ pub struct Stroke {
     pub hand: usize,
     /// The reason.
     pub kind: StrokeKind,
-    /// The number of targets that it presses together.
-    pub keys: usize,
+    /// The targets that were meant together: one, or all of a chord.
+    pub targets: Vec<TargetId>,
     /// The time of the lowest point, in seconds.
     pub bottom: f64,
     /// The distance that the hand moved for it, in metres.
@@ -44,6 +44,16 @@ pub struct Stroke {
     pub shown: Option<Vec2>,
     /// The targets that were pressed, with the place from the center of the meant one in metres.
     pub presses: Vec<(TargetId, Vec2)>,
+}
+
+impl Stroke {
+    /// Returns `true` if it pressed what was meant: the target, perhaps with others, or exactly the targets of a chord.
+    pub fn has_hit(&self) -> bool {
+        let is_pressed =
+            |target: &TargetId| self.presses.iter().any(|(pressed, _)| pressed == target);
+        let is_exact = self.targets.len() == 1 || self.presses.len() == self.targets.len();
+        is_exact && self.targets.iter().all(is_pressed)
+    }
 }
 
 /// The strokes that meant one target.
@@ -138,12 +148,11 @@ impl Observed {
             if stroke.presses.is_empty() {
                 tally.nothing += 1;
             }
-            if stroke.keys > 1 {
+            tally.hit += u64::from(stroke.has_hit());
+            if stroke.targets.len() > 1 {
                 // A chord presses several targets on purpose.
-                tally.hit += u64::from(stroke.presses.len() == stroke.keys);
                 continue;
             }
-            tally.hit += u64::from(stroke.presses.iter().any(|(it, _)| *it == stroke.target));
             for &(pressed, place) in &stroke.presses {
                 tally.places += 1;
                 for (axis, value) in [place.x, place.y].into_iter().enumerate() {
@@ -188,6 +197,48 @@ impl Pairs {
                 self.redirects += u64::from(last.is_some() && roll.is_some() && last != roll);
             }
             last = roll;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stroke(targets: &[u32], pressed: &[u32]) -> Stroke {
+        Stroke {
+            target: TargetId(targets[0]),
+            finger: Finger::Index,
+            hand: 0,
+            kind: StrokeKind::Meant,
+            targets: targets.iter().copied().map(TargetId).collect(),
+            bottom: 1.0,
+            distance: 0.0,
+            point: Vec2::ZERO,
+            shown: None,
+            presses: pressed
+                .iter()
+                .map(|&id| (TargetId(id), Vec2::ZERO))
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn a_chord_hits_with_its_own_targets_only_and_a_key_also_beside_others() {
+        for (targets, pressed, has_hit) in [
+            (&[1][..], &[1][..], true),
+            (&[1], &[2, 1], true),
+            (&[1], &[2], false),
+            (&[1], &[], false),
+            (&[1, 2], &[2, 1], true),
+            (&[1, 2], &[1, 3], false),
+            (&[1, 2], &[1], false),
+            (&[1, 2], &[1, 2, 3], false),
+        ] {
+            let mut observed = Observed::default();
+            observed.add_strokes(&[stroke(targets, pressed)], |_, _| false);
+            let hits: u64 = observed.keys.values().map(|key| key.hit).sum();
+            assert_eq!(hits, u64::from(has_hit), "{targets:?} {pressed:?}");
         }
     }
 }

@@ -178,7 +178,7 @@ impl<'a> Session<'a> {
             finger: step.finger,
             hand: step.hand,
             kind,
-            keys: step.targets.len(),
+            targets: step.targets.clone(),
             bottom: plan.bottom,
             distance: plan.distance,
             point: plan.point,
