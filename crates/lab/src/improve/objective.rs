@@ -8,8 +8,9 @@ use crate::message::escape;
 /// The weights of speed, errors and effort in one figure, of which more is better.
 ///
 /// A layout that types: words of correct text per minute, minus wrong characters in percent, minus the effort. A layout that is scored
-/// by tasks: tasks per minute, minus tasks that are not done in percent. The effort is a percentage of the effort on the original layout:
-/// half for the turns of all joints for each character, half for the time outside the comfortable range.
+/// by tasks: tasks that are done per minute, minus tasks that are not done in percent. A task that is not done counts with the mean time of
+/// a task that is, so that it raises no speed. The effort is a percentage of the effort on the original layout: half for the turns of all
+/// joints for each character, half for the time outside the comfortable range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Objective {
     /// Weight of a word per minute.
@@ -103,9 +104,10 @@ impl Objective {
             let done: f64 = sum(&|it| it.tasks.iter().map(|task| task.done as f64).sum());
             let times = |it: &PersonScore| {
                 let times = it.tasks.iter();
-                times.map(|task| task.seconds * task.tries as f64).sum()
+                times.map(|task| task.seconds * task.done as f64).sum()
             };
-            let per_minute = ratio(60.0 * tries, sum(&times));
+            let all_seconds = ratio(sum(&times), done) * tries;
+            let per_minute = ratio(60.0 * done, all_seconds);
             return self.speed * per_minute - self.errors * 100.0 * (1.0 - ratio(done, tries));
         }
         let speed = ratio(sum(&|it| it.wpm), count);
@@ -151,6 +153,29 @@ impl Objective {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measures::TaskScore;
+    use crate::trials::TaskKind;
+
+    #[test]
+    fn tasks_that_are_not_done_raise_no_speed() {
+        let person = |tries, done| PersonScore {
+            tasks: vec![TaskScore {
+                name: "A".to_owned(),
+                kind: TaskKind::Touch,
+                tries,
+                done,
+                wrong: 0,
+                seconds: 0.5,
+                error: None,
+            }],
+            ..PersonScore::default()
+        };
+        let objective: Objective = "speed".parse().expect("a name");
+        let value = |tries, done| objective.value(&[&person(tries, done)], &Reference::default());
+        assert_eq!(value(4, 4), 120.0);
+        assert_eq!(value(4, 2), 60.0);
+        assert_eq!(value(4, 0), 0.0);
+    }
 
     #[test]
     fn an_objective_is_a_name_or_weights() {

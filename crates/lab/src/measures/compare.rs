@@ -30,7 +30,7 @@ pub enum Measure {
     UncomfortablePoints,
     /// Tasks that are done, in percentage points.
     TaskPoints,
-    /// The time of a task, in seconds.
+    /// The time of a task that is done, in seconds.
     TaskSeconds,
     /// Effective throughput of a pointer, in bits per second.
     Throughput,
@@ -72,7 +72,7 @@ impl Measure {
             Self::JointTravel => ratio(sum(|it| it.joint_travel_deg), count),
             Self::UncomfortablePoints => 100.0 * ratio(sum(|it| it.uncomfortable), count),
             Self::TaskPoints => 100.0 * ratio(sum(|it| it.tasks()[1]), sum(|it| it.tasks()[0])),
-            Self::TaskSeconds => ratio(sum(|it| it.tasks()[3]), sum(|it| it.tasks()[0])),
+            Self::TaskSeconds => ratio(sum(|it| it.tasks()[3]), sum(|it| it.tasks()[1])),
             Self::Throughput => ratio(sum(|it| it.clicks()[2]), count),
             Self::MissPoints => 100.0 * ratio(sum(|it| it.clicks()[1]), sum(|it| it.clicks()[0])),
         }

@@ -183,9 +183,9 @@ pub struct TaskScore {
     pub done: u64,
     /// Presses of other controls.
     pub wrong: u64,
-    /// The mean time, in seconds.
+    /// The mean time of the tries that did what they should, in seconds; 0 without one.
     pub seconds: f64,
-    /// The mean difference from the value, as a part of the range; `None` if no value was to be set.
+    /// The mean difference from the value, as a part of the range; `None` if no value was set.
     pub error: Option<f64>,
 }
 
@@ -398,7 +398,7 @@ fn key_score(name: String, tally: &KeyTally) -> KeyScore {
     }
 }
 
-fn task_scores(results: Vec<TaskResult>) -> Vec<TaskScore> {
+pub(super) fn task_scores(results: Vec<TaskResult>) -> Vec<TaskScore> {
     let mut scores: BTreeMap<(String, bool), TaskScore> = BTreeMap::new();
     for result in results {
         let key = (result.name.clone(), result.kind == TaskKind::Value);
@@ -414,15 +414,17 @@ fn task_scores(results: Vec<TaskResult>) -> Vec<TaskScore> {
         score.tries += 1;
         score.done += u64::from(result.is_done);
         score.wrong += result.wrong as u64;
-        // Sums, until all results are in.
-        score.seconds += result.seconds;
+        // Sums, until all results are in. A control that is out of reach takes no time.
+        if result.is_done {
+            score.seconds += result.seconds;
+        }
         if let Some(error) = result.error {
             score.error = Some(score.error.unwrap_or_default() + error);
         }
     }
     let mut scores: Vec<TaskScore> = scores.into_values().collect();
     for score in &mut scores {
-        score.seconds = ratio(score.seconds, score.tries as f64);
+        score.seconds = ratio(score.seconds, score.done as f64);
         score.error = score.error.map(|sum| ratio(sum, score.done as f64));
     }
     scores

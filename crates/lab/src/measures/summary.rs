@@ -61,11 +61,11 @@ pub struct Summary {
     pub tasks_done: Interval,
     /// Presses of other controls, by tries.
     pub tasks_wrong: Interval,
-    /// The mean time of a task, in seconds.
+    /// The mean time of a task that was done, in seconds.
     pub task_seconds: Interval,
     /// The mean difference from a value, as a part of the range.
     pub task_error: Interval,
-    /// The mean time to set a value, in seconds.
+    /// The mean time to set a value, in seconds, of those that were set.
     #[serde(default)]
     pub value_seconds: Interval,
     /// Clicks on rings of targets; `None` if no person has clicked.
@@ -108,15 +108,15 @@ impl PersonScore {
         ratio(self.errors() as f64, self.characters as f64)
     }
 
-    /// Returns tries, done tries, wrong presses and seconds of all tasks.
+    /// Returns tries, done tries, wrong presses and seconds of the done tries of all tasks.
     pub(super) fn tasks(&self) -> [f64; 4] {
         self.tasks.iter().fold([0.0; 4], |sum, task| {
-            let tries = task.tries as f64;
+            let done = task.done as f64;
             [
-                sum[0] + tries,
-                sum[1] + task.done as f64,
+                sum[0] + task.tries as f64,
+                sum[1] + done,
                 sum[2] + task.wrong as f64,
-                sum[3] + task.seconds * tries,
+                sum[3] + task.seconds * done,
             ]
         })
     }
@@ -134,15 +134,15 @@ impl PersonScore {
         ]
     }
 
-    /// Returns the seconds and the tries of values.
+    /// Returns the seconds and the number of values that were set.
     fn values(&self) -> [f64; 2] {
         let values = self
             .tasks
             .iter()
             .filter(|task| task.kind == TaskKind::Value);
         values.fold([0.0; 2], |sum, task| {
-            let tries = task.tries as f64;
-            [sum[0] + task.seconds * tries, sum[1] + tries]
+            let done = task.done as f64;
+            [sum[0] + task.seconds * done, sum[1] + done]
         })
     }
 
@@ -171,6 +171,7 @@ pub fn summarize(people: &[PersonScore]) -> Summary {
     let characters = |it: &PersonScore| it.characters as f64;
     let strokes = |it: &PersonScore| it.strokes as f64;
     let tries = |it: &PersonScore| it.tasks()[0];
+    let done = |it: &PersonScore| it.tasks()[1];
     let sum = |value: fn(&PersonScore) -> u64| people.iter().map(value).sum::<u64>() as f64;
     let known = |errors: fn(&PersonScore) -> Option<u64>| {
         people.iter().all(|it| errors(it).is_some()).then(|| {
@@ -216,9 +217,9 @@ pub fn summarize(people: &[PersonScore]) -> Summary {
         worst_wpm: worst(people, |it| it.wpm).unwrap_or_default(),
         pairs: pair_sums.map(|own| ratio(own, pairs)),
         fingers,
-        tasks_done: rate(|it| it.tasks()[1], tries),
+        tasks_done: rate(done, tries),
         tasks_wrong: rate(|it| it.tasks()[2], tries),
-        task_seconds: rate(|it| it.tasks()[3], tries),
+        task_seconds: rate(|it| it.tasks()[3], done),
         task_error: rate(|it| it.value_errors()[0], |it| it.value_errors()[1]),
         value_seconds: rate(|it| it.values()[0], |it| it.values()[1]),
         pointing: summarize_pointing(people),
@@ -285,4 +286,52 @@ fn worst(people: &[PersonScore], figure: impl Fn(&PersonScore) -> f64) -> Option
     let count = figures.len().div_ceil(WORST);
     let lowest = figures.get(..count).filter(|lowest| !lowest.is_empty())?;
     Some(lowest.iter().sum::<f64>() / count as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measures::score::task_scores;
+    use crate::measures::{Measure, compare};
+    use crate::trials::TaskResult;
+
+    #[test]
+    fn a_control_out_of_reach_does_not_make_tasks_faster() {
+        let result = |is_done, seconds| TaskResult {
+            name: "A".to_owned(),
+            kind: TaskKind::Touch,
+            is_done,
+            wrong: 0,
+            seconds,
+            error: None,
+        };
+        let tasks = |results: &[(bool, f64)]| {
+            let results = results
+                .iter()
+                .map(|&(is_done, seconds)| result(is_done, seconds));
+            PersonScore {
+                tasks: task_scores(results.collect()),
+                ..PersonScore::default()
+            }
+        };
+        let all = tasks(&[(true, 0.2), (true, 0.4)]);
+        let half = tasks(&[(true, 0.2), (false, 0.0), (true, 0.4), (false, 0.0)]);
+        for (person, done) in [(&all, 1.0), (&half, 0.5)] {
+            let summary = summarize(std::slice::from_ref(person));
+            assert!(
+                (summary.task_seconds.value - 0.3).abs() < 1e-12,
+                "{summary:?}"
+            );
+            assert_eq!(summary.tasks_done.value, done);
+        }
+        let none = summarize(&[tasks(&[(false, 0.0)])]);
+        assert_eq!((none.task_seconds.value, none.tasks_done.value), (0.0, 0.0));
+        let compared = compare(("all", &[all]), ("half", &[half])).expect("both are tasks");
+        let time = compared
+            .differences
+            .iter()
+            .find(|it| it.measure == Measure::TaskSeconds);
+        let time = time.expect("a time").interval;
+        assert!(time.value.abs() < 1e-12, "{time:?}");
+    }
 }

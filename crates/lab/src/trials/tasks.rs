@@ -49,7 +49,7 @@ pub struct TaskResult {
     pub is_done: bool,
     /// Presses of other controls.
     pub wrong: usize,
-    /// The time from the start of the movement to the end of the task, in seconds.
+    /// The time from the first to the last touch or event, in seconds; 0 without any.
     pub seconds: f64,
     /// The difference from the value that was to be set, as a part of the range or in turns; `None` unless a value was to be set.
     pub error: Option<f64>,
