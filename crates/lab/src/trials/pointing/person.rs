@@ -175,7 +175,6 @@ impl<'a, C: Cursor> Pointing<'a, C> {
 
     /// Goes to a target of a width and clicks on it; `None` if it is given up.
     pub(super) fn click_on(&mut self, target: [f64; 2], width: f64) -> Option<Clicked> {
-        self.length = 0.0;
         let deadline = self.now() + PATIENCE;
         let (mut tries, mut stronger, mut is_first) = (0, 1.0, true);
         while self.now() < deadline && tries < TRIES {
@@ -255,12 +254,13 @@ impl<'a, C: Cursor> Pointing<'a, C> {
         first
     }
 
-    fn clicked(&self, meant: [f64; 2]) -> Clicked {
+    /// Returns a click that has just come, and begins the way to the next one.
+    fn clicked(&mut self, meant: [f64; 2]) -> Clicked {
         Clicked {
             meant,
             place: self.cursor.place(),
             seconds: self.now(),
-            way: self.length,
+            way: std::mem::take(&mut self.length),
         }
     }
 
@@ -418,7 +418,62 @@ fn between(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::cursor::IdealCursor;
     use super::*;
+    use crate::document::Document;
+    use crate::people::{Participant, People, population};
+    use crate::sim::fluent::SourceKind;
+    use crate::trials::Station;
+
+    /// A cursor that also goes up and down by two pixels with each reading.
+    struct Trembling {
+        steady: IdealCursor,
+        is_low: bool,
+    }
+
+    impl Cursor for Trembling {
+        fn step(
+            &mut self,
+            hand: &mut FluentHand,
+            seconds: [f64; 2],
+            by: Vec2,
+            is_down: bool,
+        ) -> bool {
+            self.is_low = !self.is_low;
+            self.steady.step(hand, seconds, by, is_down)
+        }
+
+        fn place(&self) -> [f64; 2] {
+            let [x, y] = self.steady.place();
+            [x, if self.is_low { y + 2.0 } else { y }]
+        }
+    }
+
+    #[test]
+    fn the_way_to_a_click_begins_at_the_click_before_while_the_finger_is_still_down() {
+        let document = Document::shipped("direct").expect("a shipped layout");
+        let person = Participant {
+            scatter: [0.0; 2],
+            ..population(&People::Drawn(1), None, 2).remove(0)
+        };
+        let mut station = Station::new(&document, &person, SourceKind::Ideal).expect("a person");
+        let settings = station.layout.pointer.clone().expect("a pointer");
+        let cursor = Trembling {
+            steady: IdealCursor::new([1280.0, 800.0], Jacobian([[8e3, 0.0], [0.0, -8e3]])),
+            is_low: false,
+        };
+        let period = 1.0 / 175.0;
+        let hand = &mut station.hands[0];
+        let pointing = Pointing::begin(hand, cursor, &settings, (1, period), false);
+        let mut pointing = pointing.expect("the hand can use it");
+        // Twice on the target on which the cursor is: all of its way is the trembling.
+        let mut click = || pointing.click_on([640.0, 400.0], 100.0).expect("a click");
+        let (first, second) = (click(), click());
+        let readings = ((second.seconds - first.seconds) / period).round();
+        assert!(readings > 20.0, "{readings}");
+        let each = second.way / readings;
+        assert!((1.95..2.3).contains(&each), "{each} px a reading");
+    }
 
     #[test]
     fn a_person_learns_how_a_cursor_follows_a_turned_hand() {
