@@ -23,7 +23,7 @@ const LEFT: f32 = 0.009;
 const OVER: f32 = 0.03;
 /// The distance from another key within which a press is near it, in metres.
 const BESIDE: f32 = 0.003;
-/// The most presses and near misses that are kept; all are counted.
+/// The most near presses, near misses and keys of a path that are kept; all are counted.
 const KEPT: usize = 10_000;
 
 /// A press near another key.
@@ -57,8 +57,10 @@ pub struct NearMiss {
 pub struct FingerPath {
     /// The length over boards, in millimetres.
     pub length_mm: f64,
-    /// The keys that it passed, one after the other.
+    /// The keys that it passed, one after the other: the first 10 000.
     pub keys: Vec<String>,
+    /// The number of keys that it passed.
+    pub key_count: u64,
 }
 
 /// The presses of a recorded hand on a layout.
@@ -72,10 +74,14 @@ pub struct Retraced {
     pub seconds: f64,
     /// Presses by key.
     pub presses: BTreeMap<String, u64>,
-    /// Presses within 3 mm of another key.
+    /// Presses within 3 mm of another key: the first 10 000.
     pub near_presses: Vec<NearPress>,
-    /// Approaches to within 4 mm that pressed nothing.
+    /// The number of presses within 3 mm of another key.
+    pub near_press_count: u64,
+    /// Approaches to within 4 mm that pressed nothing: the first 10 000.
     pub near_misses: Vec<NearMiss>,
+    /// The number of approaches to within 4 mm that pressed nothing.
+    pub near_miss_count: u64,
     /// The path of each finger that was over a board, by name.
     pub paths: BTreeMap<String, FingerPath>,
     /// The text that a text field would have received.
@@ -177,9 +183,9 @@ impl<'a> Retracer<'a> {
         }
         let other = press.neighbors.first();
         let other = other.filter(|other| other.distance <= BESIDE);
-        if let Some(other) = other
-            && self.found.near_presses.len() < KEPT
-        {
+        let Some(other) = other else { return };
+        self.found.near_press_count += 1;
+        if self.found.near_presses.len() < KEPT {
             self.found.near_presses.push(NearPress {
                 seconds,
                 pressed: name,
@@ -219,9 +225,12 @@ impl<'a> Retracer<'a> {
                     if let Some(last) = state.last.replace(tip) {
                         path.length_mm += f64::from((tip - last).truncate().length()) * 1e3;
                     }
-                    if state.key.replace(id) != Some(id) && path.keys.len() < KEPT {
-                        let name = self.layout.target_names().get(id).to_string();
-                        path.keys.push(name);
+                    if state.key.replace(id) != Some(id) {
+                        path.key_count += 1;
+                        if path.keys.len() < KEPT {
+                            let name = self.layout.target_names().get(id).to_string();
+                            path.keys.push(name);
+                        }
                     }
                 }
             }
@@ -258,7 +267,11 @@ impl<'a> Retracer<'a> {
                     let target = self.layout.scene.target(ended.target);
                     target.is_some_and(|(_, target)| ended.lowest < -target.travel)
                 };
-                if !ended.has_pressed && !is_deep && self.found.near_misses.len() < KEPT {
+                if ended.has_pressed || is_deep {
+                    return;
+                }
+                self.found.near_miss_count += 1;
+                if self.found.near_misses.len() < KEPT {
                     let ago = time.since(ended.time).as_secs_f64();
                     self.found.near_misses.push(NearMiss {
                         seconds: seconds - ago,
@@ -285,4 +298,40 @@ fn key_below(surface: &Surface, tip: Vec3) -> Option<(TargetId, &Target)> {
                 Shape::Disc(radius) => at.length() <= radius,
             }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Neighbor;
+    use crate::document::Document;
+
+    #[test]
+    fn near_presses_beyond_those_that_are_kept_are_counted() {
+        let document = Document::shipped("numpad").expect("a shipped layout");
+        let layout = Layout::from_document(document).expect("a layout");
+        let mut retracer = Retracer::new(&layout);
+        let press = |distance: f32| Press {
+            time: Timestamp::default(),
+            side: Side::Right,
+            finger: Finger::Index,
+            target: TargetId(0),
+            point: Vec3::ZERO,
+            depth: 0.0,
+            speed: 0.0,
+            neighbors: std::iter::once(Neighbor {
+                target: TargetId(1),
+                distance,
+            })
+            .collect(),
+        };
+        for _ in 0..KEPT + 5 {
+            retracer.note_press(&press(BESIDE / 2.0), 0.0);
+        }
+        retracer.note_press(&press(BESIDE * 2.0), 0.0);
+        let found = retracer.finish();
+        assert_eq!(found.near_presses.len(), KEPT);
+        assert_eq!(found.near_press_count, KEPT as u64 + 5);
+        assert_eq!(found.presses.values().sum::<u64>(), KEPT as u64 + 6);
+    }
 }

@@ -165,11 +165,13 @@ fn print(recording: &Path, layout: &str, found: &Retraced, out: &mut impl Write)
             keys.0, it.distance_mm, keys.1, it.seconds
         )
     });
-    let count = found.near_presses.len();
     listed(
         out,
-        &format!("presses within 3 mm of another key {count}"),
-        count,
+        &format!(
+            "presses within 3 mm of another key {}",
+            found.near_press_count
+        ),
+        found.near_presses.len(),
         near,
     )?;
     let misses = found.near_misses.iter().map(|it| {
@@ -179,11 +181,10 @@ fn print(recording: &Path, layout: &str, found: &Retraced, out: &mut impl Write)
             it.height_mm, it.seconds
         )
     });
-    let miss_count = found.near_misses.len();
     listed(
         out,
-        &format!("approaches that pressed nothing {miss_count}"),
-        miss_count,
+        &format!("approaches that pressed nothing {}", found.near_miss_count),
+        found.near_misses.len(),
         misses,
     )?;
     for (finger, path) in &found.paths {
@@ -192,7 +193,7 @@ fn print(recording: &Path, layout: &str, found: &Retraced, out: &mut impl Write)
             "{} over the boards {:.0} mm, {} keys",
             escape(finger),
             path.length_mm,
-            path.keys.len()
+            path.key_count
         );
         listed(out, &title, path.keys.len(), keys)?;
     }
