@@ -38,6 +38,14 @@ pub enum PeopleSpec {
     },
 }
 
+impl PeopleSpec {
+    /// Returns the number of people.
+    pub fn count(&self) -> u32 {
+        let (Self::Drawn(count) | Self::Person { count, .. }) = self;
+        *count
+    }
+}
+
 /// A run and its results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LabResult {
@@ -125,6 +133,9 @@ pub enum ReadError {
     /// The phrases do not have their hash.
     #[error("its phrases do not have the hash {0}; the file was changed")]
     OtherCorpus(String),
+    /// There are no phrases.
+    #[error("it has no phrase; the file was changed")]
+    NoPhrase,
     /// The run has more people or phrases than any run of the program.
     #[error(
         "it has more people or phrases than a run may have, {MAX_PEOPLE} and {MAX_PHRASES}; the file was changed"
@@ -188,16 +199,71 @@ impl LabResult {
         Ok(result)
     }
 
-    /// Checks that the phrases have their hash, and that the run is not too large.
+    /// Checks that there are phrases, that they have their hash, and that the run is not too large.
     pub(crate) fn check(&self) -> Result<(), ReadError> {
-        let (PeopleSpec::Drawn(count) | PeopleSpec::Person { count, .. }) = &self.people;
-        if *count > MAX_PEOPLE || self.phrases > MAX_PHRASES {
+        if self.people.count() > MAX_PEOPLE || self.phrases > MAX_PHRASES {
             return Err(ReadError::TooLarge);
+        }
+        // People take their phrases from the corpus in turn.
+        if self.corpus_phrases.is_empty() {
+            return Err(ReadError::NoPhrase);
         }
         if Self::hash_of(&self.corpus()) == self.corpus_hash {
             Ok(())
         } else {
             Err(ReadError::OtherCorpus(self.corpus_hash.clone()))
         }
+    }
+}
+
+#[cfg(test)]
+impl LabResult {
+    /// Returns a result without scores.
+    pub(crate) fn unscored(people: u32) -> Self {
+        let corpus = Corpus::shipped(crate::phrases::PhraseSet::Digits);
+        Self {
+            format: FORMAT.to_owned(),
+            format_version: VERSION,
+            program_version: "1".to_owned(),
+            layout_file: "numpad".to_owned(),
+            layout: String::new(),
+            people: PeopleSpec::Drawn(people),
+            tier: None,
+            source: "ideal".to_owned(),
+            decoder: None,
+            corrections: 0.0,
+            seed: 0,
+            phrases: 1,
+            corpus_hash: Self::hash_of(&corpus),
+            corpus: corpus.name,
+            corpus_phrases: corpus.phrases,
+            summary: super::summary::summarize(&[]),
+            scores: Vec::new(),
+            participants: Vec::new(),
+            comparison: None,
+            partial: None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_result_whose_phrases_were_changed_or_removed_is_refused() {
+        let whole = LabResult::unscored(3);
+        let read = |result: &LabResult| LabResult::from_json(&result.to_json(), "1");
+        assert_eq!(read(&whole), Ok(whole.clone()));
+        let mut changed = whole.clone();
+        changed.corpus_phrases.pop();
+        let hash = whole.corpus_hash.clone();
+        assert_eq!(read(&changed), Err(ReadError::OtherCorpus(hash)));
+        // The hash of no phrases is no secret.
+        changed.corpus_phrases.clear();
+        changed.corpus_hash = LabResult::hash_of(&changed.corpus());
+        assert_eq!(read(&changed), Err(ReadError::NoPhrase));
+        let crowded = LabResult::unscored(MAX_PEOPLE + 1);
+        assert_eq!(read(&crowded), Err(ReadError::TooLarge));
     }
 }

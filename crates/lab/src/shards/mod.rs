@@ -76,6 +76,9 @@ pub enum ShardError {
     /// The file holds another shard, or other people than it should.
     #[error("it does not hold the people of shard {0}; remove it and run the shard again")]
     OtherPeople(usize),
+    /// A layout of the plan is used by another number of people than the plan has.
+    #[error("its layouts do not have the {0} people of the plan; the file was changed")]
+    OtherCount(usize),
     /// The plan has no people or no layout.
     #[error("it plans nothing; make another one with `ademan lab plan`")]
     Empty,
@@ -127,6 +130,10 @@ impl Plan {
         }
         if plan.people > MAX_PEOPLE as usize {
             return Err(ReadError::TooLarge.into());
+        }
+        let has_all = |run: &LabResult| run.people.count() as usize == plan.people;
+        if !plan.runs.iter().all(has_all) {
+            return Err(ShardError::OtherCount(plan.people));
         }
         let is_possible = (1..=MAX_SHARDS.min(plan.people)).contains(&plan.shards);
         if is_possible && !plan.runs.is_empty() {
@@ -233,4 +240,22 @@ fn read<T: DeserializeOwned>(text: &str, format: &str, own: &str) -> Result<T, S
         .into());
     }
     serde_json::from_str(text).map_err(unreadable)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plan_of_other_people_than_those_of_its_layouts_is_refused() {
+        let read = |plan: &Plan| Plan::from_json(&plan.to_json(), "1");
+        let runs = || vec![LabResult::unscored(7), LabResult::unscored(7)];
+        let plan = Plan::new(runs(), 7, 3, "1");
+        assert_eq!(read(&plan), Ok(plan));
+        let longer = Plan::new(runs(), 70, 3, "1");
+        assert_eq!(read(&longer), Err(ShardError::OtherCount(70)));
+        let mut empty = Plan::new(runs(), 7, 3, "1");
+        empty.runs.clear();
+        assert_eq!(read(&empty), Err(ShardError::Empty));
+    }
 }
