@@ -48,3 +48,29 @@ impl TypingHand {
         self.at_rest()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::Document;
+    use crate::hand::Side;
+    use crate::kinematics::{ArmModel, BoneLengths};
+    use crate::layout::Glove;
+
+    #[test]
+    fn a_glove_whose_counts_never_show_an_angle_of_the_joint_is_worn_all_the_same() {
+        let bones = BoneLengths::from_hand_and_forearm(0.18, 0.25).expect("lengths");
+        let arm = ArmModel::anthropometric(Side::Right, &bones).expect("an arm");
+        for offset in [-1000.0, 1000.0] {
+            let text = format!(
+                "Glove(name: \"g\", side: \"right\", full_scale_counts: 255, rows: [(label: \"a\", dof: \"elbow-flexion\", \
+                 channel: 1, offset_counts: {offset}, full_scale_rad: 1, offset_rad: 0)])"
+            );
+            let document = Document::new("g.ron", text.as_str());
+            let map = Glove::parse(&document).expect("a glove").map;
+            let hand = TypingHand::new(&arm, &map).with_limits(&JointLimits::human());
+            let rest = hand.rest_values()[0];
+            assert!((1.0..=254.0).contains(&rest), "{offset}: {rest}");
+        }
+    }
+}

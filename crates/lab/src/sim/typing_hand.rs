@@ -469,13 +469,17 @@ fn variable(map: &ChannelMap, channel: usize) -> IkVariable {
     };
     for row in map.rows().iter().filter(|row| row.channel == channel) {
         let calibration = row.calibration;
-        let (low, high) = limits.range(row.dof);
+        let (least, most) = limits.range(row.dof);
         let ends = (
-            calibration.apply_inverse(low),
-            calibration.apply_inverse(high),
+            calibration.apply_inverse(least),
+            calibration.apply_inverse(most),
         );
-        variable.range.0 = variable.range.0.max(ends.0.min(ends.1));
-        variable.range.1 = variable.range.1.min(ends.0.max(ends.1));
+        let low = variable.range.0.max(ends.0.min(ends.1));
+        let high = variable.range.1.min(ends.0.max(ends.1));
+        // A wrong calibration puts the whole range of a joint beyond the counts of its sensor.
+        if low <= high {
+            variable.range = (low, high);
+        }
         variable.rest = calibration.apply_inverse(typing_angle(row.dof));
         if variable.mappings.try_push((row.dof, calibration)).is_err() {
             break;

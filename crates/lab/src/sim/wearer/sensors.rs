@@ -73,10 +73,11 @@ impl GloveSensors {
         let divider = (between(random, FIXED), between(random, BENT));
         let count = channels.len();
         let sensors = channels.iter().enumerate().map(|(index, &channel)| {
+            // A single sensor leaks into itself, which makes it a little more sensitive.
             let neighbour = if index + 1 < count {
                 index + 1
             } else {
-                index - 1
+                index.saturating_sub(1)
             };
             Sensor {
                 leak: (neighbour, between(random, CROSS_TALK)),
@@ -237,5 +238,25 @@ impl Sensor {
         let (low, high) = (volt(0.0), volt(1.0));
         let part = (volt(fraction) - low) / (high - low);
         self.counts.0 + part * (self.counts.1 - self.counts.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::Document;
+    use crate::layout::Glove;
+
+    #[test]
+    fn a_glove_with_one_sensor_has_counts() {
+        let text = "Glove(name: \"g\", side: \"right\", full_scale_counts: 255, rows: [\n(label: \"a\", dof: \"elbow-flexion\", channel: 1, offset_counts: 0, full_scale_rad: 2.55, offset_rad: 0),\n])";
+        let glove = Glove::parse(&Document::new("g.ron", text)).expect("a glove");
+        let sensors = GloveSensors::new(&glove.map, &mut fastrand::Rng::with_seed(1));
+        let count = |radians: f64| {
+            let mut angles = JointAngles::default();
+            angles.set(Dof::ElbowFlexion, radians);
+            sensors.exact(&angles)[1]
+        };
+        assert!(count(0.5) < count(1.5), "{} {}", count(0.5), count(1.5));
     }
 }
