@@ -109,7 +109,8 @@ fn names<'a>(names: impl Iterator<Item = &'a String>) -> String {
 
 /// Returns the number of keys whose shifted character differs from a US keymap.
 fn other_shifts(main: &[Vec<String>], shift: &[Vec<String>]) -> usize {
-    let pairs = main.iter().flatten().zip(shift.iter().flatten());
+    let rows = main.iter().zip(shift);
+    let pairs = rows.flat_map(|(plain, shifted)| plain.iter().zip(shifted));
     let is_other = |(plain, shifted): &(&String, &String)| {
         let key = |word: &str| match super::key(word, 0, 0) {
             Ok(ImportedKey::Character(character)) => Some(character),
@@ -124,4 +125,18 @@ fn other_shifts(main: &[Vec<String>], shift: &[Vec<String>]) -> usize {
         own.is_some() && own != shifted && !(shifted == Some('\\') || shifted.is_none())
     };
     pairs.filter(is_other).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_compared_with_those_of_the_same_row_with_shift() {
+        let rows = |lines: [&str; 2]| lines.map(words);
+        let plain = rows(["a b c", "1 2"]);
+        assert_eq!(other_shifts(&plain, &rows(["A B C", "! @"])), 0);
+        assert_eq!(other_shifts(&plain, &rows(["A", "! @"])), 0);
+        assert_eq!(other_shifts(&plain, &rows(["A B C", "! \""])), 1);
+    }
 }
