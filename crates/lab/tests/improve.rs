@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use ademan_core::document::Document;
 use ademan_core::layout::Layout;
 use ademan_lab::import::{ImportHands, import};
-use ademan_lab::improve::{Found, ImproveError, MoveKind, Objective, Task, improve};
+use ademan_lab::improve::{Found, ImproveError, MoveKind, Moves, Objective, Task, improve};
 use ademan_lab::people::{Participant, People, Tier, population};
 use ademan_lab::phrases::Corpus;
 use ademan_lab::sim::fluent::SourceKind;
@@ -313,5 +313,18 @@ fn other_files_are_refused_with_the_reason() {
     ] {
         let error = import("a.dof", text, ImportHands::Two).expect_err(text);
         assert!(error.to_string().contains(words), "{words}: {error}");
+    }
+}
+
+#[test]
+fn a_move_that_is_named_twice_counts_once() {
+    let document = Document::new("pad.ron", PAD);
+    let phrases = ["12".to_owned()];
+    let counts = |kinds: &[MoveKind]| {
+        let moves = Moves::new(&document, kinds, &[], &phrases).expect("it can move");
+        moves.count()
+    };
+    for kind in [MoveKind::Positions, MoveKind::Sizes, MoveKind::Assignment] {
+        assert_eq!(counts(&[kind; 2]), counts(&[kind]), "{kind}");
     }
 }

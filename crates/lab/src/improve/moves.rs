@@ -135,7 +135,8 @@ impl Moves {
             keeps_boards,
         };
         let (mut freedoms, mut slots) = (Vec::new(), Vec::new());
-        for kind in kinds {
+        let is_first = |(index, kind): &(usize, &MoveKind)| !kinds[..*index].contains(kind);
+        for (_, kind) in kinds.iter().enumerate().filter(is_first) {
             let before = freedoms.len() + slots.len();
             match kind {
                 MoveKind::Positions => finder.positions(&mut freedoms),
