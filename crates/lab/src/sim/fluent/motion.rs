@@ -32,8 +32,9 @@ const BEND_PER_MM: f64 = 1.0 / 60.0;
 /// The fastest flexion of a finger, in rad/s; the highest speed of a minimum-jerk movement is 1.875 times its mean.
 const FASTEST: f64 = 18.0;
 const PEAK: f64 = 1.875;
-/// The deviation of the times of the fingers of a chord, in seconds ?.
-const CHORD_SPREAD: f64 = 0.02;
+/// The deviation of the times of the fingers of a chord, in seconds ?, and the most deviations by which one differs.
+const CHORD_SPREAD: f64 = 0.01;
+const MOST_SPREADS: f64 = 4.0;
 /// The depth of a tap that is too shallow, as a part of the way to the front.
 const SHALLOW: f32 = 0.5;
 
@@ -210,7 +211,7 @@ impl FluentHand {
         let press = (self.person.press_ms * 1e-3).max(self.bend_time());
         let dwell = self.draw.log_normal(self.person.dwell_ms.max(60.0), 0.25) * 1e-3;
         let depart = self.free_at.max(now);
-        let bottom = wanted.max(depart + press + 2.0 * CHORD_SPREAD);
+        let bottom = wanted.max(depart + press + MOST_SPREADS * CHORD_SPREAD);
         let mut first = None;
         for &target in targets {
             let (surface, _) = scene.target(target)?;
@@ -222,7 +223,9 @@ impl FluentHand {
             } else {
                 BENT + scatter * self.draw.normal()
             };
-            let spread = (CHORD_SPREAD * self.draw.normal()).clamp(-2.0, 2.0) * 0.5;
+            // No finger sets out before the hand is free.
+            let spreads = self.draw.normal().clamp(-MOST_SPREADS, MOST_SPREADS);
+            let spread = CHORD_SPREAD * spreads;
             let mut change = vec![0.0; self.values.len()];
             let hand = self.typing_hand(Finger::Index);
             let straight = hand.values_at_bend(finger, STRAIGHT);
