@@ -199,10 +199,12 @@ fn round_up(value: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
+/// Returns the words of a level: half of a round number needs a digit more than it.
 fn short(value: f64) -> String {
     match value {
         value if value == 0.0 || value >= 10.0 => format!("{value:.0}"),
-        value => format!("{value:.1}"),
+        value if value >= 1.0 => format!("{value:.1}"),
+        value => format!("{value:.2}"),
     }
 }
 
@@ -245,5 +247,18 @@ mod tests {
     fn axes_end_at_round_numbers() {
         let values = [0.0, 0.5, 7.0, 20.0, 21.0, 100.0];
         assert_eq!(values.map(round_up), [1.0, 0.5, 8.0, 20.0, 30.0, 100.0]);
+    }
+
+    #[test]
+    fn the_levels_of_a_low_curve_have_words_of_their_own() {
+        for (top, words) in [
+            (0.1, ["0", "0.05", "0.10"]),
+            (0.5, ["0", "0.25", "0.50"]),
+            (3.0, ["0", "1.5", "3.0"]),
+            (40.0, ["0", "20", "40"]),
+        ] {
+            let levels = [0.0, 0.5, 1.0].map(|part| short(top * part));
+            assert_eq!(levels, words);
+        }
     }
 }
