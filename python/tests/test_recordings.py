@@ -100,6 +100,18 @@ def test_other_files_are_refused_with_the_reason(recorded, tmp_path):
         ademan.read(tmp_path / "missing.mcap")
 
 
+def test_recordings_of_other_programs_are_refused_with_the_reason(tmp_path):
+    from google.protobuf.timestamp_pb2 import Timestamp
+    from mcap_protobuf.writer import Writer
+
+    for topic in ("/readings", "/camera"):
+        path = tmp_path / "other.mcap"
+        with path.open("wb") as stream, Writer(stream) as writer:
+            writer.write_message(topic=topic, message=Timestamp(seconds=1), log_time=1, publish_time=1)
+        with pytest.raises(ValueError, match="no recording of Ademán"):
+            ademan.read(path)
+
+
 def test_a_recording_of_format_1_names_the_command_that_converts_it():
     from conftest import ROOT
 

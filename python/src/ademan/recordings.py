@@ -23,6 +23,7 @@ from .program import call
 
 _SAMPLES = ("channels", "angles_rad", "joints_m", "body", "bones", "displacement")
 _UNMEASURED_COUNT = 65535
+_TOPICS = ("readings", "angles", "touches", "presses", "events", "commands")
 
 
 @dataclass(frozen=True)
@@ -125,14 +126,15 @@ def read(path: str | os.PathLike[str]) -> Recording:
                     _check_format(path, entry.metadata.get("format"))
                 if entry.name == "ademan.setup":
                     setup.append({key: entry.metadata.get(key, "") for key in ("kind", "name", "text")})
-            else:
+            elif is_recording:
                 topic, message = entry
                 rows[topic].append(_row(topic, message))
+            else:
+                break
     if not is_recording:
         raise ValueError(f"{path} is no recording of Ademán: it has no metadata `ademan`")
     first = min((row["time_us"] for row in rows["/readings"]), default=0)
-    topics = ("readings", "angles", "touches", "presses", "events", "commands")
-    frames = {topic: _frame(rows[f"/{topic}"], first) for topic in topics}
+    frames = {topic: _frame(rows[f"/{topic}"], first) for topic in _TOPICS}
     return Recording(path=path, setup=setup, is_complete=is_complete, **frames)
 
 
@@ -146,7 +148,7 @@ def _check_format(path: Path, version: str | None) -> None:
 
 
 def _records(stream: Any) -> Iterator[Metadata | tuple[str, Message]]:
-    """Yield metadata and decoded messages in the order of the file."""
+    """Yield metadata and the decoded messages of the topics of a recording, in the order of the file."""
     schemas: dict[int, Schema] = {}
     channels: dict[int, Channel] = {}
     factory = DecoderFactory()
@@ -158,7 +160,9 @@ def _records(stream: Any) -> Iterator[Metadata | tuple[str, Message]]:
         elif isinstance(record, Metadata):
             yield record
         elif isinstance(record, Record):
-            channel = channels[record.channel_id]
+            channel = channels.get(record.channel_id)
+            if channel is None or channel.topic.removeprefix("/") not in _TOPICS:
+                continue
             decode = factory.decoder_for(channel.message_encoding, schemas.get(channel.schema_id))
             if decode is not None:
                 yield channel.topic, decode(record.data)
