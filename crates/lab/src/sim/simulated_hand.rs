@@ -280,13 +280,13 @@ impl SimulatedHand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hand::Side;
+    use crate::hand::{Dof, Side};
     use crate::kinematics::BoneLengths;
     use crate::layout::Person;
     use crate::sim::motor::TypingKeys;
 
-    #[test]
-    fn a_hand_that_has_movements_but_no_action_moves_on() {
+    /// Returns a hand without a glove over no board.
+    fn hand_for(actions: &[HandAction]) -> SimulatedHand {
         let bones = BoneLengths::from_hand_and_forearm(0.18, 0.25).expect("lengths");
         let arm = ArmModel::anthropometric(Side::Right, &bones).expect("an arm");
         let settings = TypistSettings {
@@ -297,10 +297,29 @@ mod tests {
             person: Person::default(),
             keys: TypingKeys::default(),
         };
-        let actions = [HandAction::Wait(Duration::from_millis(50))];
         let sensor = Sensor::Joints(JointSensor::Angles);
-        let mut hand = SimulatedHand::new(&settings, &actions, &Scene::new(), &arm, sensor)
-            .expect("a plan of movements");
+        SimulatedHand::new(&settings, actions, &Scene::new(), &arm, sensor)
+            .expect("a plan of movements")
+    }
+
+    #[test]
+    fn a_finger_that_is_bent_a_little_is_straight_again_at_the_end() {
+        let bent = -0.1;
+        let action = HandAction::SetAngles(vec![(Dof::RingMcpFlexion, bent)], None);
+        let mut hand = hand_for(&[action]);
+        let ring = hand.hand().index_of(Dof::RingMcpFlexion).expect("a joint");
+        let (rest, mut farthest) = (hand.values()[ring], 0.0_f64);
+        assert!((bent - rest).abs() > 0.1, "{rest}");
+        while hand.advance(usize::MAX) != Progress::Finished {
+            farthest = farthest.max((hand.values()[ring] - rest).abs());
+        }
+        assert!((farthest - (bent - rest).abs()).abs() < 1e-6, "{farthest}");
+        assert!((hand.values()[ring] - rest).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_hand_that_has_movements_but_no_action_moves_on() {
+        let mut hand = hand_for(&[HandAction::Wait(Duration::from_millis(50))]);
         hand.action_ends.clear();
         assert!(hand.has_movements());
         while hand.has_movements() {

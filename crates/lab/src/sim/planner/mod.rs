@@ -36,6 +36,9 @@ const SPEED: f64 = 0.25;
 const MIN_RADIUS: f32 = 0.001;
 /// Angle between two points of an arc that are checked for reach, in radians.
 const CHECK_ANGLE: f32 = 0.25;
+/// Largest difference from its value at rest that a channel keeps at the end, in counts, and as a part of its range.
+const AWAY_COUNTS: f64 = 0.5;
+const AWAY: f64 = 0.01;
 /// Smallest number of packets of a press, so that a slow line transmits it.
 const PRESS_PACKETS: u32 = 3;
 /// Smallest number of packets of any other movement.
@@ -130,12 +133,15 @@ impl<'a> Planner<'a> {
             self.wait(CLEAR_TIME);
             return;
         }
+        let is_away = |&(index, value): &(usize, f64)| {
+            // A value is a count of a glove, or an angle in radians.
+            let (low, high) = self.state.hand.variables[index].range;
+            (self.state.values[index] - value).abs() > AWAY_COUNTS.min(AWAY * (high - low))
+        };
         let rest = self.state.rest.iter().copied().enumerate();
         let channel_targets: Vec<(usize, f64)> = rest
-            .filter(|&(index, value)| {
-                !self.state.hand.is_used_to_reach(index)
-                    && (self.state.values[index] - value).abs() > 0.5
-            })
+            .filter(|&(index, _)| !self.state.hand.is_used_to_reach(index))
+            .filter(is_away)
             .collect();
         let is_free = matches!(self.state.tip_state, TipState::Free);
         let tip = if is_free { self.state.home } else { self.tip() };
