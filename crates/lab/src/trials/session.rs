@@ -21,14 +21,24 @@ use crate::time::Timestamp;
 /// The longest time between the lowest point of a stroke and a press that it causes, in seconds.
 const CAUSED: f64 = 0.15;
 
+/// A press that the pipeline has seen.
+struct SeenPress {
+    /// The index of the hand.
+    hand: usize,
+    /// The time in seconds.
+    at: f64,
+    target: TargetId,
+    /// The place on the board if a fingertip touched it, in metres.
+    place: Option<Vec3>,
+}
+
 /// Everything that happens in a phrase.
 pub(super) struct Session<'a> {
     pub(super) pipeline: Pipeline,
     events: Events,
     pub(super) field: UsTextField,
     pub(super) strokes: Vec<Stroke>,
-    /// The time in seconds, the target, and the place on its board if a fingertip touched it (metres).
-    presses: Vec<(f64, TargetId, Option<Vec3>)>,
+    presses: Vec<SeenPress>,
     pub(super) keystrokes: usize,
     pub(super) span: Option<(Timestamp, Timestamp)>,
     pub(super) draw: Draw,
@@ -112,9 +122,12 @@ impl Station {
                 let pressed = pressed.filter(|touch| touch.phase == Phase::Pressed);
                 for touch in pressed {
                     let press = output.presses.iter().find(|it| it.target == touch.target);
-                    let place = press.map(|press| press.point);
-                    let at = touch.time.0 as f64 * 1e-6;
-                    session.presses.push((at, touch.target, place));
+                    session.presses.push(SeenPress {
+                        hand: index,
+                        at: touch.time.0 as f64 * 1e-6,
+                        target: touch.target,
+                        place: press.map(|press| press.point),
+                    });
                 }
                 if let Some(plane) = &mut session.plane {
                     let recorder = self.recorder.as_ref().map(SharedRecorder::lock);
@@ -187,28 +200,67 @@ impl<'a> Session<'a> {
         });
     }
 
-    /// Attributes each press to the stroke that is nearest in time, at the end of the phrase.
+    /// Attributes each press to the stroke of its hand that is nearest in time, at the end of the phrase.
     pub(super) fn attribute(&mut self, layout: &Layout) {
-        for &(seconds, target, place) in &self.presses {
-            let distance = |stroke: &Stroke| (stroke.bottom - seconds).abs();
-            let nearest = self
-                .strokes
-                .iter_mut()
-                .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        for press in &self.presses {
+            let distance = |stroke: &Stroke| (stroke.bottom - press.at).abs();
+            let own = self.strokes.iter_mut().filter(|it| it.hand == press.hand);
+            let nearest = own.min_by(|a, b| distance(a).total_cmp(&distance(b)));
             let Some(stroke) = nearest.filter(|stroke| distance(stroke) <= CAUSED) else {
                 continue;
             };
             let meant = layout.scene.target(stroke.target);
-            let from_center = meant.zip(place).map(|((_, meant), place)| {
+            let from_center = meant.zip(press.place).map(|((_, meant), place)| {
                 let place = meant.surface_from_target.inverse_transform_point(place);
                 place.truncate()
             });
             stroke
                 .presses
-                .push((target, from_center.unwrap_or_default()));
+                .push((press.target, from_center.unwrap_or_default()));
         }
         if let Some(watch) = &mut self.watch {
             watch.strokes.clone_from(&self.strokes);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use parry3d::math::Vec2;
+
+    use super::*;
+    use crate::document::Document;
+    use crate::hand::Finger;
+    use crate::people::{People, population};
+    use crate::sim::fluent::SourceKind;
+
+    #[test]
+    fn a_press_belongs_to_a_stroke_of_its_hand() {
+        let document = Document::shipped("qwerty-two-flat").expect("a shipped layout");
+        let person = population(&People::Drawn(1), None, 1).remove(0);
+        let station = Station::new(&document, &person, SourceKind::Ideal).expect("a person");
+        let mut session = Session::new(&station, 1, 0.6, None);
+        let stroke = |hand: usize, bottom| Stroke {
+            target: TargetId(hand as u32),
+            finger: Finger::Index,
+            hand,
+            kind: StrokeKind::Meant,
+            targets: vec![TargetId(hand as u32)],
+            bottom,
+            distance: 0.0,
+            point: Vec2::ZERO,
+            shown: None,
+            presses: Vec::new(),
+        };
+        session.strokes = vec![stroke(0, 1.0), stroke(1, 1.06)];
+        session.presses.push(SeenPress {
+            hand: 0,
+            at: 1.04,
+            target: TargetId(0),
+            place: None,
+        });
+        session.attribute(station.layout());
+        assert_eq!(session.strokes[0].presses, [(TargetId(0), Vec2::ZERO)]);
+        assert!(session.strokes[1].presses.is_empty());
     }
 }
