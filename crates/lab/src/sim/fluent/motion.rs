@@ -341,14 +341,23 @@ impl FluentHand {
             return;
         }
         let hand = self.typing_hand(Finger::Index);
+        let gain = |index: usize, dof: Dof| {
+            let mut mappings = hand.variables[index].mappings.iter().rev();
+            let found = mappings.find(|(mapped, _)| *mapped == dof);
+            found.map(|(_, map)| map.gain)
+        };
         let mut change = vec![0.0; bump.change.len()];
         for &slave in Finger::ALL {
             let share = self.person.enslaving * SHARES[master.index()][slave.index()];
             let joints = Finger::FLEXIONS[master.index()].into_iter();
             for (own, other) in joints.zip(Finger::FLEXIONS[slave.index()]) {
                 let indices = hand.index_of(own).zip(hand.index_of(other));
-                if let Some((own_index, other_index)) = indices.filter(|(from, to)| from != to) {
-                    change[other_index] = share * bump.change[own_index];
+                let Some((own_index, other_index)) = indices.filter(|(from, to)| from != to) else {
+                    continue;
+                };
+                // The sensors of a glove have counts of different sizes for one angle.
+                if let Some((from, to)) = gain(own_index, own).zip(gain(other_index, other)) {
+                    change[other_index] = share * bump.change[own_index] * from / to;
                 }
             }
         }
@@ -385,5 +394,64 @@ impl FluentHand {
             start: bump.start + 0.6 * bump.down,
             ..*bump
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::hand::{HandSetup, StartPosture};
+    use super::super::sensors::SourceKind;
+    use super::*;
+    use crate::document::Document;
+    use crate::hand::Side;
+    use crate::kinematics::ArmModel;
+    use crate::layout::Glove;
+    use crate::people::{Participant, People, population};
+    use crate::sim::motor::TypingKeys;
+
+    #[test]
+    fn neighbors_follow_by_a_part_of_the_angle_whatever_a_glove_counts() {
+        let person = Participant {
+            enslaving: 1.0,
+            ..population(&People::Drawn(1), None, 1).remove(0)
+        };
+        let arm = ArmModel::anthropometric(Side::Right, &person.assumed).expect("an arm");
+        let document = Document::shipped("unam-hc11").expect("a shipped glove");
+        let glove = Glove::parse(&document).expect("a glove").map;
+        for (source, map) in [(SourceKind::Ideal, None), (SourceKind::Glove, Some(&glove))] {
+            let setup = HandSetup {
+                assumed: &arm,
+                own: &arm,
+                map,
+                source,
+            };
+            let keys = TypingKeys::default();
+            let mut hand = FluentHand::new(setup, &person, &keys, StartPosture::Relaxed);
+            let typing = hand.typing_hand(Finger::Index).clone();
+            let (mut values, before) = (hand.initial.clone(), typing.angles(&hand.initial));
+            let middle = typing.index_of(Dof::MiddleMcpFlexion).expect("a joint");
+            let bent = before.get(Dof::MiddleMcpFlexion) + 0.3;
+            let mut change = vec![0.0; values.len()];
+            change[middle] = typing.value_near(middle, bent) - values[middle];
+            let bump = Bump {
+                change,
+                start: 0.0,
+                down: 0.1,
+                release: 1.0,
+                up: 0.1,
+            };
+            hand.enslave(Finger::Middle, &bump);
+            hand.timeline.posture(0.5, &mut values);
+            let followed = typing.angles(&values);
+            for (dof, finger) in [
+                (Dof::IndexMcpFlexion, Finger::Index),
+                (Dof::RingMcpFlexion, Finger::Ring),
+                (Dof::LittleMcpFlexion, Finger::Little),
+            ] {
+                let turn = followed.get(dof) - before.get(dof);
+                let share = SHARES[Finger::Middle.index()][finger.index()];
+                assert!((turn - 0.3 * share).abs() < 1e-6, "{source} {dof}: {turn}");
+            }
+        }
     }
 }
