@@ -17,7 +17,7 @@ named_enum! {
     pub enum SourceKind ("source") {
         /// The joint angles, exactly, 175 times a second.
         Ideal = "ideal",
-        /// The positions of all joints, 60 pictures a second, with noise, latency and lost pictures.
+        /// The positions of all joints, 60 pictures a second, with noise and lost pictures, and without latency.
         Camera = "camera",
         /// The glove of the program, 175 packets a second, with gain errors, backlash, lag and counts of 8 bits.
         Glove = "glove",
