@@ -2,15 +2,15 @@
 //!
 //! - [`sim`] simulates hands that type and play scripts, for demos, tests and scores.
 //! - [`people`] draws simulated people from published ranges.
-//! - [`phrases`] are what they type.
+//! - [`phrases`] are the texts that they type.
 //! - [`trials`] let people type and do tasks through the whole pipeline.
-//! - [`measures`] are what came of it, with intervals over people.
+//! - [`measures`] are figures of speed and errors, with intervals over people.
 //! - [`import`] reads layouts of other programs.
 //! - [`improve`] changes layouts until people do better on them.
 //! - [`readings`] compare a text decoder with simpler ways to read the same taps.
 //! - [`shards`] are parts of a run, for many machines.
 //! - [`study`] measures real people with the same tasks.
-//! - [`report`] writes them as HTML and CSV.
+//! - [`report`] writes results as HTML and CSV.
 //! - [`batch`] computes forward kinematics and contact of many hands at once.
 
 use ademan_core::{

@@ -1,4 +1,4 @@
-//! Result files: everything that a run needs, and what came of it.
+//! Result files: the conditions of a run, and its figures.
 
 use serde::{Deserialize, Serialize};
 

@@ -20,7 +20,7 @@ const ACROSS: f64 = 0.5;
 /// The part of a target within which the cursor counts as on it: people do not click at the border ?.
 const AIM: f64 = 0.8;
 /// The longest time for a target, in seconds.
-const PATIENCE: f64 = 6.0;
+const TIMEOUT: f64 = 6.0;
 /// Clicks that are tried on a target, and the growth of their depth.
 const TRIES: u32 = 3;
 const STRONGER: f32 = 1.25;
@@ -175,7 +175,7 @@ impl<'a, C: Cursor> Pointing<'a, C> {
 
     /// Goes to a target of a width and clicks on it; `None` if it is given up.
     pub(super) fn click_on(&mut self, target: [f64; 2], width: f64) -> Option<Clicked> {
-        let deadline = self.now() + PATIENCE;
+        let deadline = self.now() + TIMEOUT;
         let (mut tries, mut stronger, mut is_first) = (0, 1.0, true);
         while self.now() < deadline && tries < TRIES {
             let error = between(self.perceived(), target);
