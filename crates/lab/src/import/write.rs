@@ -101,7 +101,7 @@ fn place_thumbs(
     let keys: Vec<Action> = row.keys.iter().filter_map(action).collect();
     let (mut left, mut right) = (Vec::new(), Vec::new());
     for (index, key) in keys.iter().enumerate() {
-        // Both hands share the innermost of an odd number.
+        // The right hand has the innermost of an odd number.
         if index < keys.len() / 2 {
             left.push(key.clone())
         } else {

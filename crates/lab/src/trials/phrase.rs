@@ -395,8 +395,12 @@ fn width(target: &Target) -> f64 {
     })
 }
 
-/// Returns `true` if two targets of one board are less than half a key apart.
+/// Returns `true` if two targets are on one board, and less than a quarter of the first apart.
 fn are_neighbors(layout: &Layout, a: TargetId, b: TargetId) -> bool {
+    let found = layout.scene.target(a);
+    if found.is_none_or(|(board, _)| board.target(b).is_none()) {
+        return false;
+    }
     let (Some(a), Some(b)) = (layout.face(a), layout.face(b)) else {
         return false;
     };
@@ -413,6 +417,28 @@ pub(crate) fn speed(correct: usize, phrases: usize, seconds: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::Document;
+
+    #[test]
+    fn neighbors_are_keys_of_one_board() {
+        let document = Document::shipped("qwerty-two-flat").expect("a shipped layout");
+        let layout = Layout::from_document(document).expect("a layout");
+        let keys_of = |board: usize| -> Vec<TargetId> {
+            let faces = layout.faces(&layout.boards[board]);
+            faces.map(|face| face.target).collect()
+        };
+        let (left, right) = (keys_of(0), keys_of(1));
+        let neighbors_of = |key: TargetId, keys: &[TargetId]| {
+            let others = keys.iter().filter(|other| **other != key);
+            others
+                .filter(|other| are_neighbors(&layout, key, **other))
+                .count()
+        };
+        for key in &left {
+            assert!(neighbors_of(*key, &left) > 0, "{key:?}");
+            assert_eq!(neighbors_of(*key, &right), 0, "{key:?}");
+        }
+    }
 
     #[test]
     fn a_capital_is_typed_after_its_last_stroke_and_not_after_shift() {
