@@ -6,6 +6,7 @@ use super::{Row, curves, keys_of_all, task_rows, write_curve, wrong_of_all};
 use crate::layout::{Heat, Layout, TooManyShapes, heat_style};
 use crate::measures::{Comparison, Interval, LabResult, PersonScore, Summary};
 use crate::message::escape_markup;
+use crate::trials::PointingScore;
 
 /// Rows of the tables of keys, pairs and people.
 const ROWS: usize = 12;
@@ -284,27 +285,52 @@ fn write_people(result: &LabResult, page: &mut String) -> fmt::Result {
     }
     let mut people: Vec<&PersonScore> = result.scores.iter().collect();
     let badness = |person: &PersonScore| match summary.characters {
-        0 => -(person.tasks.iter().map(|it| it.done).sum::<u64>() as f64),
+        // Fewer tasks done, or without tasks a lower throughput.
+        0 => -own_figures(result, person).first().map_or(0.0, |own| own.1),
         _ => person.cer(),
     };
     people.sort_by(|a, b| badness(b).total_cmp(&badness(a)));
-    writeln!(
+    write!(
         page,
-        "<table>\n<tr><th scope=\"col\">worst people</th><th scope=\"col\" class=\"number\">hand mm</th>\
-         <th scope=\"col\">fingers</th><th scope=\"col\" class=\"number\">words/min</th><th scope=\"col\" class=\"number\">CER %</th></tr>"
+        "<table>\n<tr><th scope=\"col\">worst people</th><th scope=\"col\" class=\"number\">hand mm</th><th scope=\"col\">fingers</th>"
     )?;
+    let worst = people.first();
+    for (name, _) in worst.map_or_else(Vec::new, |worst| own_figures(result, worst)) {
+        write!(page, "<th scope=\"col\" class=\"number\">{name}</th>")?;
+    }
+    writeln!(page, "</tr>")?;
     for person in people.iter().take(ROWS / 2) {
-        writeln!(
+        write!(
             page,
-            "<tr><td>{}</td><td class=\"number\">{:.0}</td><td>{}</td><td class=\"number\">{:.1}</td><td class=\"number\">{:.1}</td></tr>",
+            "<tr><td>{}</td><td class=\"number\">{:.0}</td><td>{}</td>",
             person.number,
             person.hand_mm,
-            escape_markup(&person.style),
-            person.wpm,
-            100.0 * person.cer()
+            escape_markup(&person.style)
         )?;
+        for (_, figure) in own_figures(result, person) {
+            write!(page, "<td class=\"number\">{figure:.1}</td>")?;
+        }
+        writeln!(page, "</tr>")?;
     }
     writeln!(page, "</table>")
+}
+
+/// Returns the figures of a person with their names: of texts, or else of tasks and of a pointer, as far as the result has them.
+fn own_figures(result: &LabResult, person: &PersonScore) -> Vec<(&'static str, f64)> {
+    if result.summary.characters > 0 {
+        return vec![("words/min", person.wpm), ("CER %", 100.0 * person.cer())];
+    }
+    let mut figures = Vec::new();
+    if result.scores.iter().any(|it| !it.tasks.is_empty()) {
+        let tries: u64 = person.tasks.iter().map(|it| it.tries).sum();
+        let done: u64 = person.tasks.iter().map(|it| it.done).sum();
+        figures.push(("tasks done %", 100.0 * done as f64 / tries.max(1) as f64));
+    }
+    if result.summary.pointing.is_some() {
+        let pointing = person.pointing.as_ref();
+        figures.push(("bit/s", pointing.map_or(0.0, PointingScore::throughput)));
+    }
+    figures
 }
 
 fn write_tables(result: &LabResult, page: &mut String) -> fmt::Result {
@@ -387,4 +413,42 @@ fn cell(interval: &Interval, factor: f64, digits: usize) -> String {
     format!(
         "<td class=\"number\">{value:.digits$} <span class=\"range\">({low:.digits$} to {high:.digits$})</span></td>"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measures::{TaskScore, summarize};
+    use crate::trials::TaskKind;
+
+    #[test]
+    fn people_who_do_not_type_have_their_tasks_and_no_other_figures() {
+        let person = PersonScore {
+            tasks: vec![TaskScore {
+                name: "A".to_owned(),
+                kind: TaskKind::Touch,
+                tries: 4,
+                done: 3,
+                wrong: 0,
+                seconds: 0.5,
+                error: None,
+            }],
+            ..PersonScore::default()
+        };
+        let scores = vec![person];
+        let result = LabResult {
+            summary: summarize(&scores),
+            scores,
+            ..LabResult::unscored(1)
+        };
+        let mut page = String::new();
+        write_people(&result, &mut page).expect("writing to a string does not fail");
+        assert!(
+            page.contains("tasks done %") && page.contains(">75.0<"),
+            "{page}"
+        );
+        for other in ["CER", "words/min", "bit/s"] {
+            assert!(!page.contains(other), "{page}");
+        }
+    }
 }
