@@ -1,8 +1,10 @@
 //! The places of keys that type a character, in millimetres.
 
-use parry3d::math::Vec2;
+use parry3d::math::{Vec2, Vec3};
 
 use crate::contact::TargetId;
+use crate::contact::surface::Surface;
+use crate::contact::sweep::distance_from_outline;
 use crate::device::{KeyAction, KeyCode};
 use crate::layout::Layout;
 
@@ -72,6 +74,17 @@ impl KeyPlaces {
         let place = self.0.iter().find(|place| place.character == character)?;
         Some((place.board, place.center))
     }
+}
+
+/// Returns the target of a surface that is nearest to a point on it: the one whose outline is, then the one whose center is.
+pub(crate) fn nearest_target(surface: &Surface, point: Vec3) -> Option<TargetId> {
+    let distances = surface.targets().map(|(id, target)| {
+        let at = target.surface_from_target.inverse_transform_point(point);
+        let beside = distance_from_outline(target.shape, at.truncate());
+        (beside, at.truncate().length_squared(), id)
+    });
+    let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    nearest.map(|(_, _, id)| id)
 }
 
 /// Adds a character to a text; a Backspace removes the last one.

@@ -16,7 +16,7 @@ mod recorder;
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use self::keyboard::{KeyPlaces, Touch};
+pub(crate) use self::keyboard::{KeyPlaces, Touch, nearest_target};
 pub use self::lexicon::Lexicon;
 pub(crate) use self::plane::PlaneCrossing;
 pub(crate) use self::recorder::{Recorder, SharedRecorder};

@@ -2,7 +2,7 @@
 
 use parry3d::math::{Vec2, Vec3};
 
-use super::keyboard::{KeyPlaces, write};
+use super::keyboard::{KeyPlaces, Touch, nearest_target, write};
 use crate::contact::TargetId;
 use crate::contact::surface::{Scene, Shape, Surface, Target};
 use crate::hand::{Finger, Side};
@@ -42,7 +42,7 @@ impl PlaneCrossing {
                     continue;
                 };
                 let tip = world_from_surface.inverse_transform_point(tip);
-                let Some((id, target)) = nearest(surface, tip) else {
+                let Some((id, target)) = with_nearest_center(surface, tip) else {
                     continue;
                 };
                 let pad = target.surface_from_target.inverse_transform_point(tip)
@@ -60,9 +60,9 @@ impl PlaneCrossing {
                 } else {
                     pad.truncate()
                 };
-                if is_inside(target, at)
-                    && let Some(touch) = keys.touch(id, at)
-                {
+                // The end of a wide key may be nearer to the center of another one.
+                let on_surface = target.surface_from_target * at.extend(0.0);
+                if let Some(touch) = touch_at(surface, keys, on_surface) {
                     write(&mut self.text, touch.character);
                 }
             }
@@ -79,7 +79,16 @@ fn before_id(last: Last) -> Option<TargetId> {
     last.map(|(id, _)| id)
 }
 
-fn nearest(surface: &Surface, tip: Vec3) -> Option<(TargetId, &Target)> {
+/// Returns the tap of the key whose outline holds a point of a surface.
+fn touch_at(surface: &Surface, keys: &KeyPlaces, point: Vec3) -> Option<Touch> {
+    let id = nearest_target(surface, point)?;
+    let target = surface.target(id)?;
+    let at = target.surface_from_target.inverse_transform_point(point);
+    let at = at.truncate();
+    is_inside(target, at).then(|| keys.touch(id, at)).flatten()
+}
+
+fn with_nearest_center(surface: &Surface, tip: Vec3) -> Option<(TargetId, &Target)> {
     let distance = |target: &Target| target.surface_from_target.translation.distance_squared(tip);
     let targets = surface.targets();
     targets.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))
@@ -89,5 +98,38 @@ fn is_inside(target: &Target, at: Vec2) -> bool {
     match target.shape {
         Shape::Box(half) => at.abs().cmple(half).all(),
         Shape::Disc(radius) => at.length() <= radius,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use parry3d::math::{Pose, Rotation};
+
+    use super::*;
+    use crate::document::Document;
+    use crate::hand::Joint;
+    use crate::layout::Layout;
+    use crate::time::Timestamp;
+
+    #[test]
+    fn a_tap_on_the_end_of_a_wide_key_types_it() {
+        let document = Document::shipped("qwerty-flat").expect("a shipped layout");
+        let layout = Layout::from_document(document).expect("a layout");
+        let keys = KeyPlaces::new(&layout);
+        let space = layout.key("Space").expect("a key").face.target;
+        let (surface, target) = layout.scene.target(space).expect("a target");
+        let mut detector = PlaneCrossing::new(layout.boards.len());
+        for height in [0.005, -0.002] {
+            let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
+            pose.set(Joint::Elbow, Pose::IDENTITY);
+            let world_from_surface = surface.world_from_surface(&pose).expect("a place");
+            // Below C: the center of C is nearer than the center of the space bar.
+            let pad = Vec3::new(-0.04, 0.0, height + pose.tip_radius);
+            let tip = world_from_surface * (target.surface_from_target * pad);
+            let world_from_tip = Pose::from_parts(tip, Rotation::IDENTITY);
+            pose.set(Joint::tip(Finger::Index), world_from_tip);
+            detector.see(&layout.scene, &keys, Side::Right, &pose);
+        }
+        assert_eq!(detector.into_text(), " ");
     }
 }

@@ -1,14 +1,14 @@
 //! The text of the nearest keys: what perfect detection of taps without a decoder would type.
 
-use parry3d::math::{Vec2, Vec3};
+use parry3d::math::Vec2;
 
 use super::observed::{Stroke, StrokeKind};
 use crate::contact::TargetId;
-use crate::contact::surface::{Scene, Surface};
-use crate::contact::sweep::distance_from_outline;
+use crate::contact::surface::Scene;
 use crate::device::{EventKind, KeyAction, KeyCode, OutputEvent};
 use crate::kinematics::HandPose;
 use crate::layout::Layout;
+use crate::readings::nearest_target;
 use crate::sim::UsTextField;
 use crate::time::Timestamp;
 
@@ -70,17 +70,6 @@ impl<'a> NearestText<'a> {
             kind,
         });
     }
-}
-
-/// Returns the target of a surface that is nearest to a point on it: the one whose outline is, then the one whose center is.
-fn nearest_target(surface: &Surface, point: Vec3) -> Option<TargetId> {
-    let distances = surface.targets().map(|(id, target)| {
-        let at = target.surface_from_target.inverse_transform_point(point);
-        let beside = distance_from_outline(target.shape, at.truncate());
-        (beside, at.truncate().length_squared(), id)
-    });
-    let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    nearest.map(|(_, _, id)| id)
 }
 
 /// Returns the text that the nearest keys of strokes type, by a point of each from the center of what is meant.
