@@ -189,15 +189,18 @@ fn held_before(held: &PressedKeys, events: &[OutputEvent]) -> PressedKeys {
     before
 }
 
-/// Appends an event, and its release if neither a control that holds the key nor a later event would release it.
+/// Appends an event, and its release if neither a control that holds the key nor a later event would release it. Events that are no
+/// releases leave room for the releases behind them.
 fn push(event: OutputEvent, later: &[OutputEvent], held: &PressedKeys, events: &mut Events) {
+    let releases = later.iter().filter(|it| is_release(it)).count();
     let EventKind::KeyDown(key) = event.kind else {
-        let _ = events.try_push(event);
+        if is_release(&event) || events.remaining_capacity() > releases {
+            let _ = events.try_push(event);
+        }
         return;
     };
     let is_released_later = later.iter().any(|it| it.kind == EventKind::KeyUp(key));
     let is_tap = !held.contains(key) && !is_released_later;
-    let releases = later.iter().filter(|it| is_release(it)).count();
     if events.remaining_capacity() < 1 + usize::from(is_tap) + releases {
         return;
     }
@@ -356,6 +359,22 @@ mod tests {
                 count(EventKind::KeyUp(key("B")))
             );
             assert!(step.len() > 180);
+        }
+    }
+
+    #[test]
+    fn characters_and_motions_leave_room_for_the_releases_behind_them() {
+        for filler in [EventKind::Character('ñ'), EventKind::MoveBy(1, 0)] {
+            let flood = move |_: &FilterInput, events: &mut Events| {
+                // It becomes a tap, which takes one event more.
+                events.insert(0, down(key("B")));
+                while events.len() < events.capacity() {
+                    events.insert(1, event(filler));
+                }
+            };
+            let steps = filtered(flood, &[&[down(key("A"))], &[up(key("A"))]]);
+            assert_eq!(steps[1].last(), Some(&up(key("A"))), "{filler:?}");
+            assert_eq!(steps[1][..2], [down(key("B")), up(key("B"))]);
         }
     }
 }
