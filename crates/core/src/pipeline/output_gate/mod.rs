@@ -1,7 +1,7 @@
 //! The output gate: the last check of events before they leave the pipeline.
 //!
-//! It suppresses releases of keys that are not pressed, events that the role of the source does not permit, presses
-//! beyond the rate limit, and keys that act on the system. It never suppresses the release of a pressed key.
+//! It suppresses presses of keys that are down and releases of keys that are not, events that the role of the source does not
+//! permit, presses beyond the rate limit, and keys that act on the system. It never suppresses the release of a pressed key.
 //!
 //! Some keys act on the system only together with Control and Alt. The gate never lets all three be down, in any order
 //! and from any controls: a press of such a key is suppressed while Control and Alt are down,
@@ -97,6 +97,7 @@ impl OutputGate {
             added -= usize::from(is_added);
             let is_allowed = match event.kind {
                 EventKind::KeyUp(key) => self.pressed.release(key),
+                EventKind::KeyDown(key) if self.pressed.contains(key) => false,
                 kind if !self.check_role(source, kind) => false,
                 EventKind::KeyDown(key) if self.is_forbidden_system_key(key) => {
                     self.suppressed.system_keys += 1;

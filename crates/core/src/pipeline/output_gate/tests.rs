@@ -70,6 +70,16 @@ fn the_release_of_a_suppressed_press_is_suppressed_and_no_other() {
 }
 
 #[test]
+fn a_key_that_is_down_is_not_pressed_again() {
+    let mut gate = gate(4);
+    assert_eq!(filter(&mut gate, 1, &["down A", "down A"]).1, ["down A"]);
+    // A filter taps a key that a control holds.
+    assert_eq!(filter(&mut gate, 2, &["down A", "up A"]).1, ["up A"]);
+    assert_eq!(filter(&mut gate, 3, &["up A", "down A"]).1, ["down A"]);
+    assert_eq!(gate.suppressed().rate_limited, 0);
+}
+
+#[test]
 fn the_text_of_one_key_counts_as_one_press() {
     let mut gate = gate(4);
     let hello: Vec<_> = "hello".chars().map(|c| format!("write {c}")).collect();
