@@ -315,13 +315,21 @@ impl RadialMenus {
     }
 }
 
-/// Taps a choice, or nothing if not all of it fits: modifiers alone have a meaning of their own.
+/// Taps a choice, or nothing if not all of it fits, or if the hand may only point and the choice has modifiers: modifiers alone and
+/// the action alone have meanings of their own.
 fn tap(choice: &Choice, touch: &Touch, out: &mut DeviceOutput) {
     let source = PressSource::from_touch(touch);
     let mut modifiers = choice.modifiers.iter();
-    let fits = modifiers.all(|&code| {
-        let modifier = KeyAction::Modifier(code, Latch::Momentary);
-        out.arbiter.press(source, modifier, touch.time, out.events)
+    let modifier = |&code: &KeyCode| KeyAction::Modifier(code, Latch::Momentary);
+    if modifiers
+        .clone()
+        .any(|code| out.arbiter.drops(source, modifier(code)))
+    {
+        return;
+    }
+    let fits = modifiers.all(|code| {
+        out.arbiter
+            .press(source, modifier(code), touch.time, out.events)
     });
     if choice.modifiers.is_empty() || (fits && out.arbiter.has_room(out.events)) {
         out.tap(source, choice.action, touch.time);
@@ -364,5 +372,84 @@ impl VirtualDevice for RadialMenus {
         for index in 0..self.menus.len() {
             self.close_menu(index, time, out);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::surface::Scene;
+    use crate::device::{EventKind, Events, KeyArbiter, TimedCommands};
+    use crate::hand::{Finger, JointAngles, Side};
+    use crate::kinematics::HandPose;
+
+    /// Returns the keys and buttons that a right hand presses and releases by choosing Control and a click.
+    fn click_with_control(may_type: bool) -> Vec<EventKind> {
+        let control: KeyCode = "ControlLeft".parse().expect("the name of a key");
+        let choice = Choice {
+            label: "Add".to_owned(),
+            action: KeyAction::Key(KeyCode::MOUSE_LEFT),
+            modifiers: ArrayVec::from_iter([control]),
+        };
+        let mut menus = RadialMenus::new(vec![RadialMenu {
+            target: TargetId(0),
+            radius: 0.03,
+            hub_radius: 0.012,
+            sectors: vec![Sector::Choice(choice.clone()), Sector::Choice(choice)],
+            shown: MenuState::Idle,
+        }]);
+        let way = [
+            (Phase::Pressed, 0.0),
+            (Phase::Moved, 0.02),
+            (Phase::Released, 0.02),
+        ];
+        let touches = way.map(|(phase, away)| Touch {
+            time: Timestamp(0),
+            side: Side::Right,
+            finger: Finger::Index,
+            target: TargetId(0),
+            phase,
+            depth: 1.0,
+            position: Vec2::new(0.0, away),
+        });
+        let input = DeviceInput {
+            scene: &Scene::new(),
+            angles: &JointAngles::default(),
+            bends: &Default::default(),
+            inputs: &Default::default(),
+            pose: &HandPose::new(Timestamp(0), Side::Right, 0.005),
+            touches: &touches,
+            presses: &[],
+        };
+        let mut arbiter = KeyArbiter::default();
+        arbiter.begin_step(Side::Right, [!may_type; Side::COUNT]);
+        let mut events = Events::new();
+        let mut out = DeviceOutput {
+            arbiter: &mut arbiter,
+            events: &mut events,
+            commands: &mut TimedCommands::new(),
+        };
+        menus.update(&input, &mut out);
+        assert!(arbiter.is_idle());
+        assert_eq!(arbiter.take_dropped_presses(), u64::from(!may_type));
+        let kinds = events.iter().map(|event| event.kind);
+        kinds
+            .filter(|kind| matches!(kind, EventKind::KeyDown(_) | EventKind::KeyUp(_)))
+            .collect()
+    }
+
+    #[test]
+    fn a_hand_that_may_only_point_does_not_click_without_the_modifiers_of_a_choice() {
+        let control = "ControlLeft".parse().expect("the name of a key");
+        assert_eq!(
+            click_with_control(true),
+            [
+                EventKind::KeyDown(control),
+                EventKind::KeyDown(KeyCode::MOUSE_LEFT),
+                EventKind::KeyUp(KeyCode::MOUSE_LEFT),
+                EventKind::KeyUp(control),
+            ]
+        );
+        assert_eq!(click_with_control(false), []);
     }
 }
