@@ -11,7 +11,7 @@ use crate::document::{Document, DocumentError, parse_ron};
 use crate::hand::Side;
 
 /// Returns the text of a layout for the other hand: the poses of boards, boxes and spaces are mirrored, and boards are reserved
-/// for that hand, the left one if the text names none.
+/// for that hand, the left one if the text names none. Pointers and triggers for one hand are for its opposite.
 ///
 /// Keys keep their order. A board whose keys are for fingers is mirrored with its keys, and angles that move a cursor sideways
 /// are reversed. Returns an error if the text is not a layout, or has boards for both hands.
@@ -34,6 +34,11 @@ pub fn mirror_layout(document: &Document) -> Result<String, DocumentError> {
     }
     if let Some(pointer) = &raw.pointer {
         edits.mirror_pointer(&pointer.mode)?;
+    }
+    let pointer_hand = raw.pointer.iter().filter_map(|pointer| pointer.hand);
+    let trigger_hands = raw.triggers.iter().filter_map(|trigger| trigger.hand);
+    for hand in pointer_hand.chain(trigger_hands) {
+        edits.exchange_hand(hand)?;
     }
     for space in &raw.spaces {
         edits.mirror_pose(space.pose)?;
@@ -64,6 +69,11 @@ impl<'a> Edits<'a> {
         if board.keys.iter().any(|key| key.finger.is_some()) {
             for key in &board.keys {
                 self.negate(key.at_mm.0);
+                // A mirror keeps rotations about x, and reverses the others.
+                if let Some((_, about_y, about_z)) = key.rotation_deg {
+                    self.negate(about_y);
+                    self.negate(about_z);
+                }
             }
         }
         Ok(())
@@ -100,6 +110,13 @@ impl<'a> Edits<'a> {
         }
     }
 
+    /// Replaces the name of a hand by the name of the other one.
+    fn exchange_hand(&mut self, hand: &'a RawValue) -> Result<(), DocumentError> {
+        let side: Side = parse_ron(hand.get_ron(), &self.document.file)?;
+        self.replace(hand, format!("\"{}\"", side.opposite()));
+        Ok(())
+    }
+
     /// Changes the sign of a number, unless it is 0.
     fn negate(&mut self, number: &'a RawValue) {
         let text = number.trim().get_ron();
@@ -126,6 +143,8 @@ struct RawLayout<'a> {
     #[serde(borrow, default)]
     boards: Vec<RawBoard<'a>>,
     #[serde(borrow, default)]
+    triggers: Vec<RawTrigger<'a>>,
+    #[serde(borrow, default)]
     pointer: Option<RawPointer<'a>>,
     #[serde(borrow, default)]
     spaces: Vec<RawSpace<'a>>,
@@ -149,6 +168,15 @@ struct RawKey<'a> {
     finger: Option<&'a RawValue>,
     #[serde(borrow)]
     at_mm: (&'a RawValue, &'a RawValue),
+    #[serde(borrow, default)]
+    rotation_deg: Option<(&'a RawValue, &'a RawValue, &'a RawValue)>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Trigger")]
+struct RawTrigger<'a> {
+    #[serde(borrow, default)]
+    hand: Option<&'a RawValue>,
 }
 
 #[derive(Deserialize)]
@@ -163,6 +191,8 @@ struct RawPose<'a> {
 #[derive(Deserialize)]
 #[serde(rename = "Pointer")]
 struct RawPointer<'a> {
+    #[serde(borrow, default)]
+    hand: Option<&'a RawValue>,
     #[serde(borrow)]
     mode: RawMode<'a>,
 }
@@ -252,6 +282,24 @@ mod tests {
         assert_eq!(mirrored(text).as_deref(), Ok(&*expected));
         let back = text.replace("right_mm: -2.5)", "right_mm: -2.5), hand: \"right\"");
         assert_eq!(mirrored(&expected).as_deref(), Ok(&*back));
+    }
+
+    #[test]
+    fn hands_of_pointers_and_triggers_are_exchanged_and_keys_of_fingers_turn_the_other_way() {
+        let text = "Layout(name: \"a\", boards: [(pose: (anchor: wrist), hand: \"right\", keys: [\
+                    (code: \"B\", finger: \"index\", at_mm: (0, 3), rotation_deg: (10, -20, 30)),\
+                    (code: \"C\", at_mm: (0, 30), rotation_deg: (0, 0, 5)),\
+                    ])], triggers: [\
+                    (name: \"T\", hand: \"right\", when: Pinch(finger: \"index\"), action: Key(\"D\")),\
+                    (name: \"U\", when: Pinch(finger: \"middle\"), action: Key(\"E\")),\
+                    ], pointer: (hand: \"right\", mode: Ray(pose: (anchor: elbow, right_mm: 5), size_mm: (200, 100))))";
+        let expected = text
+            .replace("hand: \"right\"", "hand: \"left\"")
+            .replace("(10, -20, 30)", "(10, 20, -30)")
+            .replace("(0, 0, 5)", "(0, 0, -5)")
+            .replace("right_mm: 5", "right_mm: -5");
+        assert_eq!(mirrored(text).as_deref(), Ok(&*expected));
+        assert_eq!(mirrored(&expected).as_deref(), Ok(text));
     }
 
     #[test]
