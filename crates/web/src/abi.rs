@@ -302,9 +302,9 @@ pub extern "C" fn page_rehearse() -> usize {
     PAGE.with_borrow_mut(|page| page.rehearsal.as_mut().map_or(0, Rehearsal::run))
 }
 
-/// Moves the hands on by a time in milliseconds. Returns lines.
+/// Moves the hands on by a time in milliseconds; a number that is no time is none. Returns lines.
 #[unsafe(no_mangle)]
 pub extern "C" fn page_advance(elapsed_ms: f64) -> usize {
-    let elapsed = Duration::from_secs_f64(elapsed_ms.clamp(0.0, 1e3) / 1e3);
+    let elapsed = Duration::try_from_secs_f64(elapsed_ms.clamp(0.0, 1e3) / 1e3).unwrap_or_default();
     with_session(0, |session, _| session.advance(elapsed))
 }
