@@ -120,6 +120,11 @@ impl ValueEmitter {
         self.value
     }
 
+    /// Returns `true` if the value and the axis that were emitted last are 0.
+    pub(super) fn is_at_zero(&self) -> bool {
+        self.value == 0.0 && self.axis == 0.0
+    }
+
     /// Sets the value, 0..=1 unless the control is endless, and emits what changed. A value that is not
     /// finite is ignored. What does not fit into the event list is made up for by the next call.
     pub(super) fn set(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) {

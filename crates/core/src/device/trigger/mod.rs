@@ -278,7 +278,7 @@ impl HandTrigger {
     }
 
     fn reset(&mut self, time: Timestamp, out: &mut DeviceOutput) {
-        if !self.switch.forget(time) && self.emitter.value() == 0.0 {
+        if !self.switch.forget(time) && self.emitter.is_at_zero() {
             return;
         }
         out.cancel(self.source(), time);
@@ -304,5 +304,73 @@ impl HandMemory {
     fn is_cooling(&self, trigger: &Trigger, time: Timestamp) -> bool {
         let swiped = self.swiped;
         swiped.is_some_and(|swiped| time.since(swiped) < trigger.cool_down)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::surface::Scene;
+    use crate::device::{Axis, EventKind, Events, KeyArbiter, OutputEvent, TimedCommands};
+    use crate::hand::{InputValues, JointAngles};
+    use crate::kinematics::HandPose;
+
+    #[test]
+    fn the_axis_of_an_input_that_is_lost_returns_to_0_in_the_next_step_with_room() {
+        let mut triggers = Triggers::new([Trigger {
+            target: TargetId(0),
+            side: Some(Side::Right),
+            held: None,
+            measure: Measure::Input(Input::Trigger),
+            on: 0.5,
+            off: 0.4,
+            hold: Duration::ZERO,
+            cool_down: Duration::ZERO,
+            range: Some((0.0, 1.0)),
+            action: None,
+            output: ValueOutput::Axis(Axis::LeftTrigger),
+        }]);
+        let mut arbiter = KeyArbiter::default();
+        let mut axis_after = |ms: u64, value: Option<f32>, room: usize| {
+            let time = Timestamp(ms * 1_000);
+            let mut inputs = InputValues::default();
+            if let Some(value) = value {
+                inputs.set(Input::Trigger, value);
+            }
+            let filler = OutputEvent {
+                time,
+                kind: EventKind::MoveBy(1, 0),
+            };
+            let mut events = Events::new();
+            while events.remaining_capacity() > room {
+                events.push(filler);
+            }
+            let input = DeviceInput {
+                scene: &Scene::new(),
+                angles: &JointAngles::default(),
+                bends: &Default::default(),
+                inputs: &inputs,
+                pose: &HandPose::new(time, Side::Right, 0.005),
+                touches: &[],
+                presses: &[],
+            };
+            let mut out = DeviceOutput {
+                arbiter: &mut arbiter,
+                events: &mut events,
+                commands: &mut TimedCommands::new(),
+            };
+            triggers.update(&input, &mut out);
+            events.iter().find_map(|event| match event.kind {
+                EventKind::Axis(Axis::LeftTrigger, position) => Some(position),
+                _ => None,
+            })
+        };
+        let all = Events::new().capacity();
+        assert_eq!(axis_after(10, Some(0.0), all), None);
+        assert_eq!(axis_after(20, Some(1.0), all), Some(1.0));
+        // Only the value returns.
+        assert_eq!(axis_after(30, None, 1), None);
+        assert_eq!(axis_after(40, None, all), Some(0.0));
+        assert_eq!(axis_after(50, None, all), None);
     }
 }
