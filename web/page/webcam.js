@@ -35,11 +35,21 @@ let mostHands = () => 2;
 let running = null;
 let frames = [];
 
+/** The start that waits for the model or the camera: a person may stop it, or leave the page, before the browser answers. */
+let waiting = null;
+
 /** Returns whether the webcam moves the hands. */
 export const isRunning = () => running !== null;
 
+/** Returns whether the webcam runs, or will do so when the browser answers. */
+const isWanted = () => isRunning() || waiting !== null;
+
 const say = (text) => {
   element("webcam-status").textContent = text;
+};
+
+const end = (stream) => {
+  for (const track of stream.getTracks()) track.stop();
 };
 
 const format = () => {
@@ -49,9 +59,12 @@ const format = () => {
 
 async function start(bytes) {
   stop("");
+  const own = {};
+  waiting = own;
   element("webcam-start").disabled = true;
   try {
     const model = bytes ?? (await knownModel());
+    if (own !== waiting) return;
     if (!model) {
       element("webcam-model").hidden = false;
       element("webcam-file").focus();
@@ -63,11 +76,15 @@ async function start(bytes) {
     const device = chosen ? { deviceId: { exact: chosen } } : { facingMode: "user" };
     const wanted = { ...device, width: { ideal: WIDTH }, height: { ideal: HEIGHT }, frameRate: { ideal: 60 } };
     const stream = await navigator.mediaDevices.getUserMedia({ video: wanted });
-    await run(stream, model);
+    if (own === waiting) await run(stream, model);
+    else end(stream);
   } catch (error) {
-    stop(REASONS[error.name] ?? `the camera does not start: ${error.message}`);
+    if (own === waiting) stop(REASONS[error.name] ?? `the camera does not start: ${error.message}`);
   } finally {
-    element("webcam-start").disabled = false;
+    if (own === waiting) {
+      waiting = null;
+      element("webcam-start").disabled = false;
+    }
   }
 }
 
@@ -84,9 +101,10 @@ async function run(stream, model) {
   panel.classList.add("is-running");
   say("loading MediaPipe");
   await video.play();
+  if (own !== running) return;
   listCameras(track.getSettings().deviceId);
   frames = [];
-  running.watch = setInterval(check, 500);
+  own.watch = setInterval(check, 500);
   next(own);
 }
 
@@ -94,8 +112,10 @@ async function run(stream, model) {
 export function stop(text = "the camera is off") {
   const own = running;
   running = null;
+  waiting = null;
+  element("webcam-start").disabled = false;
   if (own) {
-    for (const track of own.stream.getTracks()) track.stop();
+    end(own.stream);
     own.worker.terminate();
     clearInterval(own.watch);
     video.srcObject = null;
@@ -242,9 +262,9 @@ export function prepareWebcam(stagesOfPage, handsOfLayout) {
     }
   });
   // Whoever types by something else, or looks at another page, is not filmed.
-  for (const id of ["typing", "scripting"]) element(id).addEventListener("submit", () => isRunning() && stop(), { capture: true });
-  element("stop").addEventListener("click", () => isRunning() && stop());
-  element("recording").addEventListener("change", () => isRunning() && stop());
-  document.addEventListener("visibilitychange", () => document.hidden && isRunning() && stop("the camera was stopped because the page was hidden"));
-  addEventListener("pagehide", () => isRunning() && stop());
+  for (const id of ["typing", "scripting"]) element(id).addEventListener("submit", () => isWanted() && stop(), { capture: true });
+  element("stop").addEventListener("click", () => isWanted() && stop());
+  element("recording").addEventListener("change", () => isWanted() && stop());
+  document.addEventListener("visibilitychange", () => document.hidden && isWanted() && stop("the camera was stopped because the page was hidden"));
+  addEventListener("pagehide", () => isWanted() && stop());
 }

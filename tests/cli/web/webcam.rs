@@ -192,6 +192,52 @@ fn a_hand_before_a_webcam_gets_the_board_under_its_fingers_types_and_is_released
 }
 
 #[test]
+fn a_camera_that_the_browser_gives_after_the_person_types_otherwise_is_let_go() {
+    let Some(folder) = folder_with_vision() else {
+        return;
+    };
+    let scratch = tempfile::tempdir().expect("a folder");
+    let Some(mut browser) = browser(&scratch.path().join("requests.json")) else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    open(&mut browser, &address);
+    browser.evaluate(
+        "{
+            const devices = navigator.mediaDevices;
+            const ask = devices.getUserMedia.bind(devices);
+            devices.getUserMedia = async (wanted) => {
+                await new Promise((done) => { globalThis.allow = done; });
+                const stream = await ask(wanted);
+                globalThis.track = stream.getVideoTracks()[0];
+                return stream;
+            };
+            true;
+        }",
+    );
+    // The camera is asked for before anything looks into the model.
+    let model = scratch.path().join("model.task");
+    let mut bytes = vec![0; 200_000];
+    bytes[..2].copy_from_slice(b"PK");
+    fs::write(&model, bytes).expect("a file");
+    browser.evaluate("document.getElementById('webcam').open = true");
+    choose(&mut browser, "webcam-file", &model);
+    browser.wait_for(LOOK, "the browser asks for the camera", |look| {
+        has(look, "status", "waiting for the camera")
+    });
+
+    click(&mut browser, "type");
+    browser.evaluate("globalThis.allow()");
+    let look = browser.wait_for(LOOK, "the camera is let go", |look| {
+        look["track"] == "ended"
+    });
+    assert!(has(&look, "status", "the camera is off"), "{look}");
+    browser.wait_for(LOOK, "the simulated person types", |look| {
+        look["typed"] == "hello"
+    });
+}
+
+#[test]
 fn the_memory_of_the_page_stays_as_it_is_while_the_camera_runs() {
     let (Some(folder), Some(model)) = (folder_with_vision(), model()) else {
         return;
