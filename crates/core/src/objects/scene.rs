@@ -21,6 +21,8 @@ const MAX_BOARDS: usize = 16;
 pub struct SceneState {
     time: Timestamp,
     state: PipelineState,
+    /// The profile whose boards they are.
+    profile: usize,
     /// The poses of the boards in the world; `None` for one that follows a hand that was not seen.
     boards: ArrayVec<Option<Pose>, MAX_BOARDS>,
     /// The targets that fingertips press.
@@ -33,6 +35,7 @@ impl Default for SceneState {
         Self {
             time: Timestamp::default(),
             state: PipelineState::Starting,
+            profile: 0,
             boards: ArrayVec::new(),
             pressed: ArrayVec::new(),
             keys: PressedKeys::default(),
@@ -63,6 +66,10 @@ impl SceneState {
             self.time = reading.time;
         }
         self.state = step.state;
+        let profile = pipeline.active_profile();
+        if std::mem::replace(&mut self.profile, profile) != profile {
+            self.boards.clear();
+        }
         let active = pipeline.layout();
         let surfaces = active.scene().surfaces();
         self.boards.truncate(surfaces.len());
@@ -107,4 +114,66 @@ struct SceneObject<'a> {
     boards: Vec<Option<[f32; 7]>>,
     pressed: &'a [TargetId],
     keys: Vec<KeyCode>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::ProfileName;
+    use crate::contact::TargetNames;
+    use crate::device::Events;
+    use crate::estimate::{Estimator, EstimatorSettings};
+    use crate::hand::{Joint, Side};
+    use crate::kinematics::{ArmModel, BoneLengths, HandPose};
+    use crate::layout::Layout;
+    use crate::pipeline::{LayoutInstance, PipelineSettings};
+    use crate::snapshot::Stats;
+
+    /// Returns a layout with one board, for this hand.
+    fn board_of(side: Side) -> LayoutInstance {
+        let text = format!(
+            "Layout(name: \"a\", boards: [(pose: (anchor: elbow), hand: \"{side}\", keys: [(code: \"A\", at_mm: (0, 0))])])"
+        );
+        LayoutInstance::from_layout(&Layout::parse(&text, "a.ron").unwrap())
+    }
+
+    #[test]
+    fn a_board_of_another_profile_has_no_pose_before_its_hand_is_seen() {
+        let bones = BoneLengths::from_hand_and_forearm(0.19, 0.255).unwrap();
+        let mut pipeline = Pipeline::new(
+            Estimator::new(EstimatorSettings::default()),
+            ArmModel::anthropometric(Side::Right, &bones).unwrap(),
+            board_of(Side::Right),
+            PipelineSettings::default(),
+        );
+        let name = ProfileName::from("left").unwrap();
+        pipeline = pipeline.with_profiles([(name, board_of(Side::Left))]);
+        let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
+        pose.set(Joint::Elbow, Pose::IDENTITY);
+        let step = StepView {
+            state: PipelineState::Running,
+            paused_by: None,
+            profile: 0,
+            target_names: &TargetNames::default(),
+            reading: None,
+            source_error: None,
+            angles: None,
+            pose: Some(&pose),
+            touches: &[],
+            presses: &[],
+            events: &[],
+            commands: &[],
+            executed: None,
+            lost_hands: [false; Side::COUNT],
+            text: None,
+            stats: &Stats::default(),
+            latency: None,
+        };
+        let mut scene = SceneState::default();
+        scene.update(&step, &pipeline);
+        assert!(scene.boards[0].is_some());
+        pipeline.switch_profile(1, &mut Events::new());
+        scene.update(&step, &pipeline);
+        assert_eq!(scene.boards[..], [None]);
+    }
 }
