@@ -345,3 +345,30 @@ fn thresholds_that_a_hand_at_rest_would_pass_are_rejected() {
         assert!(error.contains(expected), "{error}");
     }
 }
+
+#[test]
+fn a_threshold_that_is_written_alone_does_not_reverse_a_trigger() {
+    let parsed = |when: &str| {
+        let text = format!("Layout(name: \"t\", triggers: [(name: \"T\", when: {when})])");
+        let layout = Layout::parse(&text, "t.ron");
+        layout.map(drop).map_err(|error| error.to_string())
+    };
+    for when in [
+        r#"Pinch(finger: "index", on_mm: 35)"#,
+        r#"Pinch(finger: "index", off_mm: 20)"#,
+        r#"Input(name: "trigger", on: 0.3)"#,
+        r#"Input(name: "stick-x", on: -0.5)"#,
+        r#"Input(name: "head-yaw", on: -20)"#,
+    ] {
+        let error = parsed(when).unwrap_err();
+        assert!(error.contains("a default in the wrong order"), "{error}");
+    }
+    for when in [
+        r#"Pinch(finger: "index", on_mm: 20)"#,
+        r#"Pinch(finger: "index", on_mm: 60, off_mm: 50)"#,
+        r#"Input(name: "trigger", off: 0.2)"#,
+        r#"Input(name: "stick-x", on: -0.5, off: -0.4)"#,
+    ] {
+        assert_eq!(parsed(when), Ok(()), "{when}");
+    }
+}

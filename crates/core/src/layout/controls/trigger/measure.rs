@@ -173,6 +173,8 @@ pub(super) struct Thresholds {
     pub(super) off: f64,
     zero: Option<f64>,
     full: Option<f64>,
+    /// `true` if only one of `on` and `off` is written, and the default of the other is on the wrong side of it.
+    is_reversed: bool,
 }
 
 impl MeasureSchema<'_> {
@@ -196,6 +198,7 @@ impl MeasureSchema<'_> {
                     off: off_deg.get(),
                     zero: zero_deg.map(JointAngle::get),
                     full: full_deg.map(JointAngle::get),
+                    is_reversed: false,
                 };
                 (Measure::Angle(parse::<Dof>(builder, dof)?), thresholds)
             }
@@ -284,6 +287,7 @@ impl Thresholds {
             off,
             zero: None,
             full: None,
+            is_reversed: false,
         }
     }
 
@@ -293,12 +297,15 @@ impl Thresholds {
         defaults: (f64, f64),
         [on, off, zero, full]: [Option<f64>; 4],
     ) -> Self {
+        let is_written_alone = on.is_some() != off.is_some();
+        let (on, off) = (on.unwrap_or(defaults.0), off.unwrap_or(defaults.1));
         Self {
             unit,
-            on: on.unwrap_or(defaults.0),
-            off: off.unwrap_or(defaults.1),
+            on,
+            off,
             zero,
             full,
+            is_reversed: is_written_alone && (on < off) != (defaults.0 < defaults.1),
         }
     }
 
@@ -318,6 +325,12 @@ impl Thresholds {
         if needs_more && on < off {
             return Err(format!(
                 "the trigger `{name}` turns on at {on} and off at {off}, set on{unit} to more than off{unit}"
+            ));
+        }
+        // It would turn on with the fingers apart, or stay on when a stick is back at its center.
+        if self.is_reversed {
+            return Err(format!(
+                "the trigger `{name}` turns on at {on} and off at {off}, one of which is a default in the wrong order; set both on{unit} and off{unit}"
             ));
         }
         match (self.zero, self.full) {
