@@ -33,7 +33,8 @@ const NO_DRIVER: [i32; 2] = [6, 19];
 
 /// A sink that creates the devices that a layout requires, with exactly the capabilities that it requires.
 ///
-/// A device receives the events of a step in one system call. The keyboard does not repeat keys; the receiver does.
+/// A device receives the events of a step in one system call, or in several if a button changes more than once, as in a click. The
+/// keyboard does not repeat keys; the receiver does.
 pub struct Uinput<N: DeviceNode = UinputNode> {
     required: Capabilities,
     devices: Vec<TrackedDevice<N>>,

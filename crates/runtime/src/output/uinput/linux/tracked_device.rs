@@ -11,7 +11,7 @@ use crate::output::RETRIES;
 use crate::output::axis_state::AxisState;
 use crate::output::watchdog::DeviceHandle;
 use ademan_core::device::pressed_keys::PressedKeys;
-use ademan_core::device::{Axis, DETENT, EventKind, KeyCode};
+use ademan_core::device::{Axis, DETENT, EventKind, KeyCode, KeyKind};
 
 /// Maximum number of input events per output event.
 const MAX_INPUT_EVENTS: usize = 4;
@@ -61,14 +61,27 @@ impl<N: DeviceNode> TrackedDevice<N> {
         }
     }
 
-    /// Adds an event to the report. A full report is sent first.
+    /// Adds an event to the report. A full report is sent first, and so is one with an event of the same button: libinput compares the
+    /// buttons before and after a report (`fallback_debounce_handle_state` in evdev-debounce.c), so a click in one report is lost.
     pub fn push(&mut self, event: EventKind) -> io::Result<()> {
+        let is_full = self.report.remaining_capacity() < MAX_INPUT_EVENTS;
         let mut result = Ok(());
-        if self.report.remaining_capacity() < MAX_INPUT_EVENTS {
+        if is_full || self.reports_button_of(event) {
             result = self.flush();
         }
         self.translate(event);
         result
+    }
+
+    /// Returns `true` if the report has an event of the button that an event presses or releases.
+    fn reports_button_of(&self, event: EventKind) -> bool {
+        let (EventKind::KeyDown(key) | EventKind::KeyUp(key)) = event else {
+            return false;
+        };
+        let is_of_key = |reported: &InputEvent| {
+            reported.event_type() == EventType::KEY && reported.code() == key.event_code()
+        };
+        key.kind() != KeyKind::Keyboard && self.report.iter().any(is_of_key)
     }
 
     /// Sends the report. If that fails, everything that may be pressed stays in the state.

@@ -166,6 +166,30 @@ fn a_button_is_pressed_on_the_device_that_moved_last_and_released_there() {
 }
 
 #[test]
+fn a_click_of_one_step_is_two_reports() {
+    let recorder = Recorder::default();
+    let mut mouse = recorder.devices(&[
+        code("MouseLeft"),
+        code("MouseRight"),
+        Capability::RelativeMotion,
+    ]);
+    let events = [
+        event(1, EventKind::MoveBy(3, 0)),
+        down(1, "MouseLeft"),
+        down(1, "MouseRight"),
+        up(1, "MouseLeft"),
+        down(1, "MouseLeft"),
+    ];
+    mouse.send(&events).unwrap();
+    let expected = [
+        "mouse: rel 0=3, key 272=1, key 273=1",
+        "mouse: key 272=0",
+        "mouse: key 272=1",
+    ];
+    assert_eq!(recorder.reports(), expected);
+}
+
+#[test]
 fn the_wheel_reports_high_resolution_rotation_and_completed_detents() {
     let recorder = Recorder::default();
     let mut mouse = recorder.devices(&[Capability::Scroll]);
