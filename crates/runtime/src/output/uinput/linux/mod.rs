@@ -16,7 +16,7 @@ use super::{BACKEND, capabilities};
 use crate::advice::{self, AccessDenied};
 use crate::output::watchdog::{ReleaseTarget, WatchdogSettings};
 use crate::output::{OpenRequest, OutputError, Sink};
-use ademan_core::device::{Capabilities, Capability, EventKind, OutputEvent};
+use ademan_core::device::{Capabilities, Capability, EventKind, KeyCode, OutputEvent};
 pub use check::check;
 pub use node::{DeviceNode, UinputNode};
 use spec::{DeviceKind, DeviceSpec};
@@ -33,8 +33,8 @@ const NO_DRIVER: [i32; 2] = [6, 19];
 
 /// A sink that creates the devices that a layout requires, with exactly the capabilities that it requires.
 ///
-/// A device receives the events of a step in one system call, or in several if a button changes more than once, as in a click. The
-/// keyboard does not repeat keys; the receiver does.
+/// A device receives the events of a step in one system call, or in several if a button changes more than once, as in a click, or an
+/// event of another device comes between them. The keyboard does not repeat keys; the receiver does.
 pub struct Uinput<N: DeviceNode = UinputNode> {
     required: Capabilities,
     devices: Vec<TrackedDevice<N>>,
@@ -151,24 +151,49 @@ impl<N: DeviceNode> Uinput<N> {
 
     /// Adds an event to the report of its device. A press that is not among the required capabilities is dropped.
     fn push(&mut self, event: EventKind) -> io::Result<()> {
+        if let EventKind::KeyUp(key) = event {
+            return self.push_release(key);
+        }
         let capability = Capability::required_by(event);
         let capability = capability.filter(|capability| self.required.contains(*capability));
-        let supports = |device: &&mut TrackedDevice<N>| {
+        let supports = |(_, device): &(usize, &TrackedDevice<N>)| {
             capability.is_some_and(|capability| device.spec.supports(capability))
         };
-        let mut devices = self.devices.iter_mut().filter(supports);
-        if let EventKind::KeyUp(_) = event {
-            // A device on which the key is not pressed ignores it.
-            return devices.try_for_each(|device| device.push(event));
-        }
-        let is_active = |device: &&mut TrackedDevice<N>| device.spec.kind == self.active_pointer;
-        match devices.max_by_key(is_active) {
-            Some(device) => device.push(event),
+        let devices = self.devices.iter().enumerate().filter(supports);
+        let active = devices.max_by_key(|(_, device)| device.spec.kind == self.active_pointer);
+        match active.map(|(index, _)| index) {
+            Some(index) => self.push_to(index, event),
             None => {
                 self.dropped_presses += u64::from(matches!(event, EventKind::KeyDown(_)));
                 Ok(())
             }
         }
+    }
+
+    /// Adds the release of a key to the report of each device on which the key is pressed, also after one that fails.
+    fn push_release(&mut self, key: KeyCode) -> io::Result<()> {
+        let mut result = Ok(());
+        for index in 0..self.devices.len() {
+            if self.devices[index].is_pressed(key) {
+                result = result.and(self.push_to(index, EventKind::KeyUp(key)));
+            }
+        }
+        result
+    }
+
+    /// Adds an event to the report of the device at `index`, and sends the reports of the others, whose events precede it. A receiver
+    /// reads first the device that reports first: Shift must not come up before the button with which something is dropped.
+    fn push_to(&mut self, index: usize, event: EventKind) -> io::Result<()> {
+        let mut result = Ok(());
+        for (other, device) in self.devices.iter_mut().enumerate() {
+            let pushed = if other == index {
+                device.push(event)
+            } else {
+                device.flush()
+            };
+            result = result.and(pushed);
+        }
+        result
     }
 
     /// Sets the active pointer to the device that moves in this step, before a button is pressed on it.
@@ -182,13 +207,13 @@ impl<N: DeviceNode> Uinput<N> {
         }
     }
 
-    /// Calls a function for every device and returns the first error.
+    /// Calls a function for every device, the keyboard last, as its modifiers come up after the buttons. Returns the first error.
     fn for_each_device(
         &mut self,
         call: impl Fn(&mut TrackedDevice<N>) -> io::Result<()>,
     ) -> io::Result<()> {
         let mut result = Ok(());
-        for device in &mut self.devices {
+        for device in self.devices.iter_mut().rev() {
             result = result.and(call(device));
         }
         result

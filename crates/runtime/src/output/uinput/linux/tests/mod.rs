@@ -101,7 +101,7 @@ fn a_step_is_one_report_and_a_key_that_is_not_required_is_dropped() {
 }
 
 #[test]
-fn each_device_receives_its_part_of_a_step() {
+fn each_device_receives_its_part_of_a_step_in_order() {
     let recorder = Recorder::default();
     let mut devices = recorder.devices(&[
         code("A"),
@@ -122,17 +122,18 @@ fn each_device_receives_its_part_of_a_step() {
     ];
     devices.send(&events).unwrap();
     let expected = [
-        "keyboard: key 30=1",
-        "mouse: key 272=1, rel 0=-3",
         "pointer: abs 0=65535, abs 1=0",
+        "mouse: key 272=1",
         "gamepad: key 305=1, abs 1=-32767",
+        "keyboard: key 30=1",
+        "mouse: rel 0=-3",
     ];
     assert_eq!(recorder.reports(), expected);
     devices.close().unwrap();
     let expected_at_end = [
-        "keyboard: key 30=0",
-        "mouse: key 272=0",
         "gamepad: key 305=0, abs 1=0",
+        "mouse: key 272=0",
+        "keyboard: key 30=0",
     ];
     assert_eq!(recorder.reports(), expected_at_end);
 }
@@ -156,11 +157,11 @@ fn a_button_is_pressed_on_the_device_that_moved_last_and_released_there() {
     }
     let expected = [
         "pointer: key 272=1, abs 0=0, abs 1=65535",
-        "mouse: rel 0=1",
         "pointer: key 272=0",
+        "mouse: rel 0=1",
         "mouse: rel 0=1, key 272=1",
-        "mouse: key 272=0",
         "pointer: abs 0=65535, abs 1=65535",
+        "mouse: key 272=0",
     ];
     assert_eq!(recorder.reports(), expected);
 }
@@ -278,9 +279,49 @@ fn a_failed_device_does_not_keep_releases_from_the_others() {
     recorder.reports();
     recorder.fail(4);
     devices.close().unwrap_err();
-    assert_eq!(recorder.reports(), ["gamepad: key 304=0"]);
-    devices.close().unwrap();
     assert_eq!(recorder.reports(), ["keyboard: key 30=0"]);
+    devices.close().unwrap();
+    assert_eq!(recorder.reports(), ["gamepad: key 304=0"]);
+}
+
+#[test]
+fn a_device_that_fails_during_a_step_does_not_keep_the_release_from_another() {
+    let recorder = Recorder::default();
+    let mut devices = recorder.devices(&[
+        code("MouseLeft"),
+        Capability::RelativeMotion,
+        Capability::AbsoluteMotion,
+    ]);
+    let press = [event(1, EventKind::MoveTo(0.0, 0.0)), down(1, "MouseLeft")];
+    devices.send(&press).unwrap();
+    recorder.reports();
+    // The report of the mouse is full.
+    let mut release = vec![event(2, EventKind::MoveBy(1, 0)); node::MAX_EVENTS - 3];
+    release.push(up(2, "MouseLeft"));
+    recorder.fail(4);
+    devices.send(&release).unwrap_err();
+    assert_eq!(recorder.reports(), ["pointer: key 272=0"]);
+}
+
+#[test]
+fn a_modifier_key_goes_down_before_a_button_and_comes_up_after_it() {
+    let recorder = Recorder::default();
+    let mut devices = recorder.devices(&[code("ControlLeft"), code("MouseLeft")]);
+    let press = [down(1, "ControlLeft"), down(1, "MouseLeft")];
+    devices.send(&press).unwrap();
+    devices
+        .send(&[up(2, "MouseLeft"), up(2, "ControlLeft")])
+        .unwrap();
+    let expected = [
+        "keyboard: key 29=1",
+        "mouse: key 272=1",
+        "mouse: key 272=0",
+        "keyboard: key 29=0",
+    ];
+    assert_eq!(recorder.reports(), expected);
+    devices.send(&press).unwrap();
+    devices.close().unwrap();
+    assert_eq!(recorder.reports(), expected);
 }
 
 #[test]
