@@ -129,6 +129,19 @@ fn a_layout_that_requires_more_than_the_open_uinput_devices_have_is_rejected() {
     assert_eq!(change("desktop,none", &["PadSouth"]), Ok(()));
 }
 
+#[cfg(all(target_os = "linux", feature = "ime"))]
+#[test]
+fn an_input_method_whose_keys_cannot_be_opened_leaves_the_desktop_as_it_is() {
+    let required = Capabilities::from_iter([Capability::Key(key("A"))]);
+    if open("uinput", &required).is_ok() {
+        println!("SKIPPED: the output `uinput` can be opened");
+        return;
+    }
+    let error = open("ime:uinput", &required).err().unwrap().to_string();
+    let reason = "cannot open the output `uinput`: ";
+    assert!(error.starts_with(reason), "before the bus: {error}");
+}
+
 #[test]
 fn a_transcript_on_the_standard_output_is_found_in_a_list() {
     assert!(uses_stdout("desktop, transcript"));

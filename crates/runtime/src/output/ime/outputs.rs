@@ -32,9 +32,10 @@ impl Outputs {
         field: &Arc<FocusedField>,
     ) -> Result<Self, OutputError> {
         let open_bus = || {
+            // First, as it may fail: the desktop would be left without the engine that it had before.
+            let keys = (keys.open)(request)?;
             let client = Client::start(Arc::clone(field));
             let client = client.map_err(|reason| OutputError::open(name, reason))?;
-            let keys = (keys.open)(request)?;
             Ok(Self::Bus { keys, client })
         };
         #[cfg(feature = "wayland")]
