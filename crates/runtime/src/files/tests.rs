@@ -1,9 +1,12 @@
 use super::*;
 use std::fs::Permissions;
-use std::os::unix::fs::{PermissionsExt, chown, symlink};
+use std::os::unix::fs::{PermissionsExt, chown, lchown, symlink};
 use std::os::unix::net::UnixListener;
 
 use rustix::fs::{CWD, Mode, XattrFlags, getxattr, setxattr};
+
+/// The id of another user.
+const NOBODY: u32 = 65_534;
 
 struct Folder(tempfile::TempDir);
 
@@ -107,7 +110,6 @@ fn links_and_files_of_other_users_are_not_written() {
     ));
     fs::remove_file(folder.at("name")).unwrap();
 
-    const NOBODY: u32 = 65_534;
     if chown(&file, Some(NOBODY), None).is_err() {
         println!("SKIPPED: only root can give a file to another user");
         return;
@@ -169,6 +171,24 @@ fn no_link_on_the_way_to_a_trusted_file_can_be_replaced_by_others() {
     fs::remove_file(&file).unwrap();
     symlink("first", &file).unwrap();
     assert!(matches!(open_trusted(&first), Err(FileError::TooManyLinks)));
+}
+
+#[test]
+fn a_link_of_another_user_does_not_lead_to_a_trusted_file() {
+    let folder = Folder::new();
+    folder.file("layout", 0o644);
+    // As in `/tmp`.
+    let shared = folder.at("shared");
+    fs::create_dir(&shared).unwrap();
+    fs::set_permissions(&shared, Permissions::from_mode(0o1777)).unwrap();
+    let link = shared.join("link");
+    symlink("../layout", &link).unwrap();
+    assert!(open_trusted(&link).is_ok());
+    if lchown(&link, Some(NOBODY), None).is_err() {
+        println!("SKIPPED: only root can give a link to another user");
+        return;
+    }
+    assert!(matches!(open_trusted(&link), Err(FileError::OtherOwner)));
 }
 
 #[test]

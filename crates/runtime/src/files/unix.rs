@@ -20,6 +20,7 @@ const OWNER_ONLY: u32 = 0o600;
 const GROUP_WRITES: u32 = 0o020;
 const OTHERS_WRITE: u32 = 0o002;
 const STICKY: u32 = 0o1000;
+
 /// The longest list of names of extended attributes, and the longest value of one, in bytes (`XATTR_LIST_MAX` and
 /// `XATTR_SIZE_MAX` in linux/limits.h).
 const MAX_ATTRIBUTE_BYTES: usize = 1 << 16;
@@ -114,9 +115,7 @@ pub fn check_owner(metadata: &Metadata) -> Result<(), FileError> {
 
 /// Checks that only the user of this process and root decide on the content of a file.
 pub fn check_writers(metadata: &Metadata) -> Result<(), FileError> {
-    if metadata.uid() != 0 {
-        check_owner(metadata)?;
-    }
+    check_trusted_owner(metadata)?;
     if is_writable_by_others(metadata) {
         Err(FileError::OthersMayWrite)
     } else {
@@ -134,6 +133,8 @@ pub fn check_way(path: &Path) -> Result<Metadata, FileError> {
         if !metadata.is_symlink() {
             return Ok(metadata);
         }
+        // Its owner can replace it, also in a folder with the sticky bit.
+        check_trusted_owner(&metadata)?;
         // A link is relative to its folder.
         place = folder_of(&place).join(fs::read_link(&place)?);
     }
@@ -146,6 +147,15 @@ fn check_folder_writers(metadata: &Metadata) -> Result<(), FileError> {
         Err(FileError::OthersMayReplace)
     } else {
         Ok(())
+    }
+}
+
+/// Checks that a file belongs to the user of this process or to root.
+fn check_trusted_owner(metadata: &Metadata) -> Result<(), FileError> {
+    if metadata.uid() == 0 {
+        Ok(())
+    } else {
+        check_owner(metadata)
     }
 }
 
