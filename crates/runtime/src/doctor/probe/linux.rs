@@ -324,10 +324,18 @@ fn runtime_dir(dir: Option<&Path>) -> RuntimeDir {
         return RuntimeDir::Absent;
     };
     let socket = dir.join("ademan").join("control.sock");
-    let run = UnixStream::connect(&socket)
-        .ok()
-        .map(|stream| RunningInstance {
+    let run = match socket::connect(&socket) {
+        Ok(stream) => Some(RunningInstance {
             process: wayland::peer_process(&stream),
-        });
+        }),
+        // A process that accepts no connection within 1 s, or one of another user.
+        Err(error) => {
+            let is_in_use = matches!(
+                error.kind(),
+                ErrorKind::TimedOut | ErrorKind::PermissionDenied
+            );
+            is_in_use.then(RunningInstance::default)
+        }
+    };
     RuntimeDir::Present { socket, run }
 }

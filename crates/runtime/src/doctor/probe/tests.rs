@@ -2,7 +2,7 @@
 
 use std::fs::{Permissions, create_dir_all, set_permissions, write};
 use std::os::unix::fs::{PermissionsExt, chown};
-use std::os::unix::net::UnixListener;
+use std::os::unix::net::{UnixListener, UnixStream};
 use std::thread;
 
 use rustix::process::{Gid, Uid};
@@ -224,4 +224,25 @@ fn an_unreachable_compositor_and_a_running_session_are_found() {
         run: Some(RunningInstance { process }),
     };
     assert_eq!(facts().runtime, taken);
+}
+
+#[test]
+fn a_session_that_accepts_no_connection_is_found_and_not_waited_for() {
+    let root = Root::new();
+    let environment = Environment {
+        runtime_dir: Some(root.0.path().into()),
+        ..Environment::default()
+    };
+    let socket = root.0.path().join("ademan/control.sock");
+    create_dir_all(socket.parent().unwrap()).unwrap();
+    let stopped = UnixListener::bind(&socket).unwrap();
+    // One client may wait.
+    rustix::net::listen(&stopped, 0).unwrap();
+    let _waiting = UnixStream::connect(&socket).unwrap();
+    let facts = gather_facts(root.0.path(), &environment, &Requirements::default());
+    let taken = RuntimeDir::Present {
+        socket,
+        run: Some(RunningInstance { process: None }),
+    };
+    assert_eq!(facts.runtime, taken);
 }
