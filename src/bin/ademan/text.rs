@@ -1,7 +1,6 @@
 //! `ademan text`: builds language models, and decodes taps.
 
-use std::fs;
-use std::io::{self, BufRead, Write};
+use std::io::{self, BufRead, Read, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::device::KeyAction;
@@ -75,8 +74,18 @@ pub fn run(args: Args) -> Result<(), Failure> {
 }
 
 fn read(path: &Path) -> Result<String, Failure> {
-    fs::read_to_string(path)
-        .map_err(|error| Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path))))
+    let text = files::open_regular(path).and_then(|file| Ok(io::read_to_string(file)?));
+    text.map_err(|error| Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path))))
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Vec::new();
+    let read = files::open_regular(path)
+        .and_then(|mut file| Ok(file.read_to_end(&mut bytes).map(drop)?));
+    read.map_err(|error| {
+        Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path)))
+    })?;
+    Ok(bytes)
 }
 
 fn wrong_line(path: &Path, error: LineError) -> Failure {
@@ -156,9 +165,7 @@ fn decode(name: &str, layout: &str) -> Result<(), Failure> {
         "en" => languages::ENGLISH,
         "es" => languages::SPANISH,
         path => {
-            file = fs::read(path).map_err(|error| {
-                Failure::wrong_use(format!("cannot read {}: {error}", escape(path)))
-            })?;
+            file = read_bytes(Path::new(path))?;
             &file
         }
     };

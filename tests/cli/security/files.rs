@@ -83,6 +83,8 @@ fn a_pipe_or_a_device_is_refused_as_any_file() {
         with(&["run"], &["--output", "transcript:/dev/null"]),
         with(&["run"], &["--output", "none", "--record", "pipe"]),
         with(&["run"], &["--control", "lock"]),
+        vec!["text", "build", "--words", "pipe", "-o", "my.adm"],
+        vec!["text", "decode", "pipe"],
     ];
     for arguments in cases {
         let ended = run_in(folder.path(), &arguments);

@@ -38,7 +38,7 @@ use crate::capture::{CaptureError, Haptics, SourceUri};
 use crate::files::OpenDocument;
 use crate::share::ShareTarget;
 use crate::sim::TypistError;
-use crate::text::{TextModeSetup, TextSetup};
+use crate::text::{Language, TextModeSetup, TextSetup};
 use ademan_core::document::{
     Document, DocumentError, FileKind, Format, Structure, first_error, schema,
 };
@@ -346,8 +346,11 @@ impl Setup {
         for (kind, name) in setup.file_names() {
             *name = Document::resolve(folder, kind, name)?;
         }
-        if let Some(name) = setup.text.as_mut().and_then(|text| text.learned.as_mut()) {
-            *name = folder.join(&name).to_string_lossy().into_owned();
+        if let Some(text) = &mut setup.text {
+            let model = Some(&mut text.language).filter(|name| Language::is_file(name));
+            for name in model.into_iter().chain(&mut text.learned) {
+                *name = folder.join(&name).to_string_lossy().into_owned();
+            }
         }
         setup.output = outputs::with_new_transcripts(&setup.output)
             .map_err(|error| error.at_field(&document))?;

@@ -1,8 +1,10 @@
 //! The text decoder of a setup.
 
+use std::io::Read;
 use std::path::Path;
 
 use super::LoadedSetup;
+use crate::files::{self, FileError};
 use crate::output;
 use crate::text::{self, Language, TextSetup};
 use ademan_core::command::TextMode;
@@ -10,6 +12,9 @@ use ademan_core::device::{Capabilities, Capability};
 use ademan_core::layout::Layout;
 use ademan_core::message::{escape, escape_path};
 use ademan_core::pipeline::LayoutInstance;
+
+/// Largest file of a language model, in bytes: sixteen times the largest one that comes with the program.
+const MAX_MODEL_BYTES: u64 = 1 << 26;
 
 impl LoadedSetup {
     /// Adds a text decoder that changes nothing if the setup has none and a layout has keys for it.
@@ -83,14 +88,27 @@ impl LoadedSetup {
     }
 }
 
-/// Reads the file of a language model.
+/// Reads the file of a language model, which no other user may change: it decides what is typed in place of a word.
 pub(super) fn read_model(path: &Path) -> Result<Vec<u8>, String> {
-    std::fs::read(path).map_err(|error| {
+    let cannot_read = |reason: String| {
         format!(
-            "cannot read the language model {}: {error}; `ademan text build` makes one",
+            "cannot read the language model {}: {reason}",
             escape_path(path)
         )
-    })
+    };
+    let file = files::open_trusted(path).map_err(|error| match error {
+        FileError::Io(error) => cannot_read(format!("{error}; `ademan text build` makes one")),
+        error => cannot_read(error.to_string()),
+    })?;
+    let mut bytes = Vec::new();
+    let read = file.take(MAX_MODEL_BYTES + 1).read_to_end(&mut bytes);
+    read.map_err(|error| cannot_read(error.to_string()))?;
+    if bytes.len() as u64 <= MAX_MODEL_BYTES {
+        Ok(bytes)
+    } else {
+        let reason = "it is larger than 64 MiB; build it of fewer words and texts";
+        Err(cannot_read(reason.into()))
+    }
 }
 
 /// Refuses the file of a language model that a recording names.
@@ -99,4 +117,48 @@ pub(super) fn refuse_model(path: &Path) -> Result<Vec<u8>, String> {
         "the recording names the language model {}, and no file is opened because a recording names it",
         escape_path(path)
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::setup::Setup;
+
+    #[test]
+    fn the_file_of_a_model_is_in_the_folder_of_the_setup() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("setup.ron");
+        for (language, expected) in [
+            ("my.adm", folder.path().join("my.adm")),
+            ("/models/my.adm", "/models/my.adm".into()),
+            ("es", "es".into()),
+        ] {
+            let text = format!("Setup(text: (mode: Auto, language: {language:?}))");
+            std::fs::write(&path, text).unwrap();
+            let setup = Setup::load(path.to_str().unwrap()).unwrap();
+            let found = setup.text.unwrap().language;
+            assert_eq!(Path::new(&found), expected);
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_model_that_others_may_change_or_that_is_no_file_is_not_read() {
+        use std::os::unix::fs::PermissionsExt;
+
+        let folder = tempfile::tempdir().unwrap();
+        let model = folder.path().join("my.adm");
+        std::fs::write(&model, "words").unwrap();
+        assert_eq!(read_model(&model).unwrap(), b"words");
+        let everybody = std::fs::Permissions::from_mode(0o666);
+        std::fs::set_permissions(&model, everybody).unwrap();
+        let open = read_model(&model).unwrap_err();
+        assert!(open.contains("other users may write this file"), "{open}");
+
+        let pipe = folder.path().join("pipe.adm");
+        let mode = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
+        rustix::fs::mkfifoat(rustix::fs::CWD, &pipe, mode).unwrap();
+        let refused = read_model(&pipe).unwrap_err();
+        assert!(refused.contains("but a pipe"), "{refused}");
+    }
 }

@@ -65,15 +65,20 @@ impl Language {
         let shipped = LANGUAGES.iter().find(|(known, _)| *known == name);
         match shipped {
             Some((_, bytes)) => Ok(Self::new(check(name, bytes)?)),
-            None if name.ends_with(FILE_ENDING) => Self::from_bytes(name, read(Path::new(name))?),
+            None if Self::is_file(name) => Self::from_bytes(name, read(Path::new(name))?),
             None => Err(unknown(name)),
         }
+    }
+
+    /// Returns `true` if a name is the path of the file of a model.
+    pub fn is_file(name: &str) -> bool {
+        name.ends_with(FILE_ENDING)
     }
 
     /// Checks that a name stands for a model that comes with the crate or for a file, which may be absent.
     pub fn check_name(name: &str) -> Result<(), String> {
         let is_shipped = LANGUAGES.iter().any(|(known, _)| *known == name);
-        if is_shipped || name.ends_with(FILE_ENDING) {
+        if is_shipped || Self::is_file(name) {
             Ok(())
         } else {
             Err(unknown(name))
