@@ -191,6 +191,23 @@ fn an_improvement_that_cannot_be_kept_or_judged_is_refused_before_the_search() {
     }
 }
 
+#[test]
+fn only_the_file_of_the_layout_itself_is_overwritten() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let phrases = file(&folder, "phrases.txt", PHRASES);
+    // The name stands for the layout that comes with the program, and not for this file.
+    let notes = file(&folder, "qwerty-flat", "my notes");
+    let start = improve("qwerty-flat", &phrases, "6", "3");
+    let mut command = super::ademan([&start[..], &["--steps", "2", "--overwrite"]].concat());
+    let ended = command.current_dir(folder.path()).output();
+    let ended: super::Ended = ended.expect("the program starts").into();
+    assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
+    let words = "comes with the program and cannot be overwritten";
+    assert!(ended.err.contains(words), "{}", ended.err);
+    let kept = std::fs::read_to_string(notes).expect("the file");
+    assert_eq!(kept, "my notes");
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interruption_of_the_judgement_keeps_the_layout() {

@@ -83,18 +83,18 @@ enum Written {
 }
 
 impl Destination {
-    fn new(args: &Args) -> Result<Self, Failure> {
+    fn new(args: &Args, document: &Document) -> Result<Self, Failure> {
         if args.overwrite {
-            let path = Path::new(&args.layout);
-            if !path.is_file() {
+            // A file in the working folder may have the name of another layout.
+            let Some(path) = &document.path else {
                 return Err(Failure::wrong_use(format!(
-                    "{} is no file that can be overwritten; use --output FILE",
+                    "{} comes with the program and cannot be overwritten; use --output FILE",
                     escape(&args.layout)
                 )));
-            }
+            };
             let checked = files::check_overwrite(path);
             checked.map_err(|error| Failure::wrong_use(cannot_write(path, &error)))?;
-            return Ok(Self::Same(path.to_owned()));
+            return Ok(Self::Same(path.clone()));
         }
         let path = args.output.clone().unwrap_or_else(|| {
             let stem = Path::new(&args.layout).file_stem().unwrap_or_default();
@@ -129,7 +129,7 @@ impl Destination {
             }
             Self::Same(path) => {
                 let is_unchanged = || {
-                    let present = Document::open_kind(FileKind::Layout, &path.to_string_lossy());
+                    let present = Document::from_path(&path.to_string_lossy());
                     present.is_ok_and(|present| present.text == document.text)
                 };
                 match files::replace_text_if(path, text, is_unchanged) {
@@ -190,7 +190,7 @@ fn beside(path: &Path) -> PathBuf {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let document = Document::open_kind(FileKind::Layout, &args.layout)?;
     let layout = Layout::from_document(document.clone())?;
-    let destination = Destination::new(args)?;
+    let destination = Destination::new(args, &document)?;
     let mut read = args.conditions.files()?;
     read.extend(document.path.clone());
     result_files::check(&args.outputs.paths(), &read)?;
