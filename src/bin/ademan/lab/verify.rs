@@ -79,6 +79,9 @@ fn read(text: &str) -> Result<Vec<LabResult>, ReadError> {
     }
     let parts: Vec<serde_json::Value> =
         serde_json::from_str(text).map_err(|error| ReadError::NoResult(error.to_string()))?;
+    if parts.is_empty() {
+        return Err(ReadError::NoResult("its list is empty".to_owned()));
+    }
     let parts = parts.iter();
     parts
         .map(|part| LabResult::from_json(&part.to_string(), own))
