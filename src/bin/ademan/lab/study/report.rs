@@ -11,6 +11,7 @@ use ademan::study::{LayoutFigures, Study, figures, study_to_html, trials_to_csv}
 use super::super::table::row;
 use super::trials::Trials;
 use crate::failure::Failure;
+use crate::result_files;
 
 /// The arguments of `lab study report`.
 #[derive(clap::Args)]
@@ -29,6 +30,12 @@ pub struct ReportArgs {
 }
 
 pub fn run(args: &ReportArgs) -> Result<(), Failure> {
+    let written: Vec<&Path> = [&args.csv, &args.html]
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
+    result_files::check(&written, &[args.folder.join(super::STUDY)])?;
     let study = super::read(&args.folder)?;
     let trials = Trials::read(&args.folder)?;
     // The files come first: a reader of the text that ends early must not cost them.
