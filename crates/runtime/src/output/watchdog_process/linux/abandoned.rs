@@ -1,18 +1,20 @@
 //! The release of keys whose process was killed together with its watchdog.
 
+use crate::output::character_key::CharacterKey;
 use crate::output::desktop::connect;
 use crate::output::desktop::injector::Injector;
 use crate::output::pressed_key_file::AbandonedKeys;
 use crate::output::watchdog_process::AbandonedRelease;
-use ademan_core::device::pressed_keys::KeyDirection;
+use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
 
 /// Releases the keys that processes without a watchdog have left pressed on the display of the session, and removes what
 /// they have left in its keymap.
 ///
 /// # Errors
-/// If the display cannot be reached, or a release failed. Then a further call tries again.
+/// If the display cannot be reached, or a release failed. All other keys are released then, and a further call tries again.
 pub fn release_abandoned_keys() -> Result<AbandonedRelease, String> {
     let mut result = AbandonedRelease::default();
+    let mut failure = None;
     for record in AbandonedKeys::find() {
         let abandoned = match record {
             Ok(abandoned) => abandoned,
@@ -21,11 +23,15 @@ pub fn release_abandoned_keys() -> Result<AbandonedRelease, String> {
                 continue;
             }
         };
-        release(&abandoned)?;
-        result.released += abandoned.keys.count();
-        abandoned.forget();
+        match release(&abandoned) {
+            Ok(()) => {
+                result.released += abandoned.keys.count();
+                abandoned.forget();
+            }
+            Err(reason) => failure = failure.or(Some(reason)),
+        }
     }
-    Ok(result)
+    failure.map_or(Ok(result), Err)
 }
 
 fn release(abandoned: &AbandonedKeys) -> Result<(), String> {
@@ -34,10 +40,71 @@ fn release(abandoned: &AbandonedKeys) -> Result<(), String> {
         return Ok(());
     }
     let mut display = connect(Some(abandoned.display_name()), false)?;
-    for key in keys.release_order() {
-        display.inject(key, KeyDirection::Release)?;
-    }
+    release_on(&mut *display, keys, character_keys)
+}
+
+/// Releases all keys, also those after one that fails.
+fn release_on(
+    display: &mut dyn Injector,
+    keys: &PressedKeys,
+    character_keys: &[CharacterKey],
+) -> Result<(), String> {
+    let release = |key| display.inject(key, KeyDirection::Release);
+    let released = keys.release_order().map(release).fold(Ok(()), Result::and);
     // The display answers when it has executed the releases. A key of a real keyboard may still be pressed.
-    display.query_pressed(keys)?;
-    display.remove_character_keys(character_keys)
+    let answered = display.query_pressed(keys).map(drop);
+    let removed = display.remove_character_keys(character_keys);
+    released.and(answered).and(removed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::desktop::pending_motion::StatelessAction;
+    use crate::output::tests::key;
+    use ademan_core::device::KeyCode;
+
+    /// A display that has no key A.
+    #[derive(Default)]
+    struct TestDisplay {
+        released: Vec<KeyCode>,
+        removed: Vec<CharacterKey>,
+    }
+
+    impl Injector for TestDisplay {
+        fn inject(&mut self, released: KeyCode, direction: KeyDirection) -> Result<(), String> {
+            assert_eq!(direction, KeyDirection::Release);
+            if released == key("A") {
+                return Err("there is no such key".into());
+            }
+            self.released.push(released);
+            Ok(())
+        }
+
+        fn perform(&mut self, _: StatelessAction) -> Result<(), String> {
+            unreachable!()
+        }
+
+        fn remove_character_keys(&mut self, keys: &[CharacterKey]) -> Result<(), String> {
+            self.removed.extend(keys);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_key_that_the_display_refuses_does_not_cost_the_others() {
+        let mut pressed = PressedKeys::default();
+        for name in ["ShiftLeft", "A", "B"] {
+            pressed.press(key(name));
+        }
+        let added = CharacterKey {
+            code: 13,
+            keysym: 0xf1,
+        };
+        let mut display = TestDisplay::default();
+        let released = release_on(&mut display, &pressed, &[added]);
+        assert_eq!(released, Err("there is no such key".into()));
+        assert_eq!(display.released, [key("B"), key("ShiftLeft")]);
+        assert_eq!(display.removed, [added]);
+    }
 }
