@@ -129,8 +129,11 @@ pub fn run(args: Args) -> Result<(), Failure> {
         on_notice: (view != ViewKind::None).then(session::print_notices),
         ..SessionOptions::default()
     };
-    if let Ok(result) = output::release_abandoned_keys() {
-        release_keys::report(&result);
+    match output::release_abandoned_keys() {
+        Ok(result) => release_keys::report(&result),
+        Err(reason) => complain!(
+            "keys of a killed run may still be pressed: {reason}; `ademan release-keys` tries again"
+        ),
     }
     let setup = setup.load_files()?;
     let unmeasured = |layout| setup.unmeasured_body_point(layout);

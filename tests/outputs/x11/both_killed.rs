@@ -1,6 +1,7 @@
 //! A program that is killed in the same instant as its watchdog.
 
-use std::fs;
+use std::fs::{self, Permissions};
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -195,6 +196,33 @@ fn keys_of_a_killed_run_on_another_display_are_reported() {
     let part = format!("2 on the display `{}`", killed.server.display());
     assert!(err.contains(&part), "{err}");
     assert_eq!(killed.server.pressed_keys(), held_keys());
+}
+
+#[test]
+fn keys_that_the_next_run_cannot_release_are_reported() {
+    let runtime = tempfile::tempdir().expect("a folder");
+    let folder = runtime.path().join("ademan");
+    fs::create_dir(&folder).expect("a folder");
+    fs::set_permissions(&folder, Permissions::from_mode(0o700)).expect("an own folder");
+    // The key A on a server that is gone.
+    let mut record = vec![0_u8; 0x300];
+    record[30] = 1;
+    record.extend(b":4242");
+    let path = folder.join("pressed-1-0");
+    fs::write(&path, record).expect("space on the disk");
+    fs::set_permissions(&path, Permissions::from_mode(0o600)).expect("an own file");
+    let flags = ["--output", "none", "--control", "off"];
+    let run = ["run", "--source", "script:wait 10"];
+    let output = ademan(run.iter().chain(&flags))
+        .env("DISPLAY", ":4242")
+        .env("XDG_RUNTIME_DIR", runtime.path())
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .expect("it starts");
+    let err = String::from_utf8_lossy(&output.stderr);
+    let words = "keys of a killed run may still be pressed: ";
+    assert!(err.contains(words), "{err}");
+    assert!(path.exists(), "{err}");
 }
 
 #[test]
