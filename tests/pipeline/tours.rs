@@ -245,6 +245,34 @@ fn what_pauses_or_resumes_the_session_is_left_alone() {
 }
 
 #[test]
+fn a_live_hand_uses_the_keys_of_the_text_decoder() {
+    let setup = load("phone-words");
+    let stops = sim::tour(&setup.layout);
+    let keys = [
+        "candidate-1",
+        "candidate-2",
+        "candidate-3",
+        "words",
+        "letters",
+    ];
+    for key in keys {
+        assert!(stops.iter().any(|stop| stop.name == key), "{key}");
+    }
+    let script = include_str!("../../examples/scripts/phone-words.txt");
+    let task = HandTask::script(script, &setup.layout).expect("a script for the layout");
+    let mut played = Played::new(&setup, task);
+    let (mut events, mut field) = (Events::new(), UsTextField::new());
+    for _ in 0..MAX_READINGS {
+        if field.text().ends_with("na ") {
+            break;
+        }
+        played.step(&mut events);
+        events.iter().for_each(|event| field.handle(event));
+    }
+    assert_eq!(field.text(), "hello world gone na ");
+}
+
+#[test]
 fn a_hand_becomes_another_person_again_and_again_and_types_without_an_error() {
     let mut setup = load("qwerty-flat");
     let text = "hola";

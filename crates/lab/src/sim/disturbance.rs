@@ -30,7 +30,14 @@ pub(super) fn is_in_space(layout: &Layout) -> bool {
 
 fn disturbs(action: KeyAction) -> bool {
     match action {
-        KeyAction::Command(command) => !matches!(command, Command::State | Command::Recenter),
+        KeyAction::Command(command) => !matches!(
+            command,
+            Command::State
+                | Command::Recenter
+                // They change what is typed, not the session.
+                | Command::Text { .. }
+                | Command::Candidate { .. }
+        ),
         _ => false,
     }
 }
