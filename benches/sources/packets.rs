@@ -56,7 +56,7 @@ fn samples(setup: &LoadedSetup, kind: SampleKind, format: &StreamFormat) -> Vec<
         person: Person::default(),
         keys: TypingKeys::default(),
     };
-    let taps = taps_for_text(TEXT, &setup.layout.key_bindings(), &[]).expect("keys");
+    let taps = taps_for_text(TEXT, &setup.layout, false).expect("keys");
     let hands = [(&setup.arm, sensor)];
     let typist = SimulatedTypist::with_hands(&settings, &taps, &setup.layout.scene, &hands);
     let mut typist = typist.expect("keys in reach");

@@ -130,6 +130,36 @@ fn lessons_come_from_files_languages_and_chords() {
 }
 
 #[test]
+fn a_phone_pad_is_practiced_with_a_decoder_that_finds_the_letters() {
+    let state = tempfile::tempdir().unwrap();
+    let text = "hello world";
+    for layout in ["phone-words", "phone-pad"] {
+        let arguments = ["--layout", layout, "--text", text];
+        let refused = run(state.path(), &arguments);
+        assert_eq!(refused.code, Some(2), "{}", refused.err);
+        assert!(
+            refused.err.contains("add `--decoder auto`"),
+            "{}",
+            refused.err
+        );
+        let result = json(
+            state.path(),
+            &[&arguments[..], &["--decoder", "auto"]].concat(),
+        );
+        assert_eq!(result["typed"], text, "{result}");
+        let worst = result["worst"].as_array().expect("a list");
+        assert!(worst.is_empty(), "{result}");
+        let digit = ["--layout", layout, "--decoder", "auto", "--text", "2"];
+        let refused_digit = run(state.path(), &digit);
+        assert!(
+            refused_digit.err.contains("cannot type"),
+            "{}",
+            refused_digit.err
+        );
+    }
+}
+
+#[test]
 fn a_pointing_lesson_is_measured_and_kept_with_its_figures() {
     let state = tempfile::tempdir().unwrap();
     let result = json(state.path(), &["--lesson", "pointing"]);

@@ -126,7 +126,7 @@ fn typing_error(wearer: &mut SimulatedWearer, map: &ChannelMap, corrections: usi
     let folder = tempfile::tempdir().unwrap();
     let setup = load(wearer, map, folder.path());
     let loaded_map = &setup.glove.as_ref().unwrap().map;
-    let taps = taps_for_text(TEXT, &setup.layout.key_bindings(), &[]).unwrap();
+    let taps = taps_for_text(TEXT, &setup.layout, false).unwrap();
     let targets: Vec<_> = taps
         .iter()
         .filter_map(|action| match action {

@@ -117,9 +117,8 @@ fn demonstrate(name: &str, setup: &LoadedSetup) -> String {
         );
         return format!("{:?}", outline(&events));
     }
-    let keys = setup.layout.key_bindings();
     let mut texts = ["Hola 1p?", "3.14*2", "Hasta"].into_iter();
-    let text = texts.find(|text| taps_for_text(text, &keys, setup.layout.bend_chords()).is_ok());
+    let text = texts.find(|text| taps_for_text(text, &setup.layout, false).is_ok());
     let text = text.expect("a layout without a script types one of the texts");
     let hand = setup.typist(text, &line, 0.0, 0).unwrap();
     let typed = typed(&play(setup, hand));

@@ -55,7 +55,7 @@ fn type_while_drifting(seed: u64, learn_ranges: bool) -> [f64; 2] {
     let map = calibrate(&mut wearer).expect("a calibration").map;
     let setup = load(&mut wearer, &map, learn_ranges);
     let loaded_map = setup.glove.as_ref().expect("a glove").map.clone();
-    let taps = taps_for_text(TEXT, &setup.layout.key_bindings(), &[]).expect("a text");
+    let taps = taps_for_text(TEXT, &setup.layout, false).expect("a text");
     let target = |action: &HandAction| match action {
         HandAction::Tap(point) => Some(point.target),
         _ => None,

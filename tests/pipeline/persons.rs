@@ -147,8 +147,7 @@ fn a_left_handed_person_types_hello_on_every_keyboard() {
     let folder = Folder::new();
     let mut typed = Vec::new();
     for (name, layout) in Layout::shipped().expect("shipped layouts") {
-        let keys = layout.key_bindings();
-        let is_keyboard = taps_for_text("hello", &keys, layout.bend_chords()).is_ok();
+        let is_keyboard = taps_for_text("hello", &layout, false).is_ok();
         if !is_keyboard || name.ends_with("webcam-qwerty") {
             continue;
         }
@@ -283,7 +282,7 @@ impl Motion {
             person: setup.person.clone(),
             keys: TypingKeys::new(&setup.layout),
         };
-        let taps = taps_for_text(text, &setup.layout.key_bindings(), &[]).expect("keys");
+        let taps = taps_for_text(text, &setup.layout, false).expect("keys");
         let sensor = ademan::sim::Sensor::for_kind(SampleKind::Angles, None).expect("a sensor");
         let hands = [(&setup.arm, sensor)];
         let scene = &setup.layout.scene;

@@ -30,7 +30,7 @@ const ATTEMPTS: usize = 3;
 /// Returns the fingers of each stroke of a text, as a person finds them in the legend of the layout.
 fn strokes(text: &str) -> Vec<Vec<Finger>> {
     let layout = Layout::load("chords-bend").expect("a layout");
-    let actions = taps_for_text(text, &layout.key_bindings(), layout.bend_chords());
+    let actions = taps_for_text(text, &layout, false);
     let fingers = |action: &HandAction| {
         let targets: Vec<TargetId> = match action {
             HandAction::Chord(targets) => targets.clone(),

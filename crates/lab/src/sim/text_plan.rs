@@ -68,15 +68,18 @@ pub(super) fn actions_for_characters(
     planner.characters(text)
 }
 
-/// Returns the taps and chords that type `text` for a receiver with a US keymap. Multitap keys are left out: each tap replaces a
-/// letter. `chords` are the chords that the hand can play. Shift and layers are activated by one-shots.
+/// Returns the taps and chords that type `text` on a layout for a receiver with a US keymap, without taps in a row that choose a letter:
+/// each of them replaces a letter. Shift and layers are activated by one-shots. If a text decoder `finds_letters` of multitap keys, each
+/// letter is one tap, and a key with signs types its first one.
 pub fn taps_for_text(
     text: &str,
-    keys: &[KeyBinding],
-    chords: &[Chord],
+    layout: &Layout,
+    finds_letters: bool,
 ) -> Result<Vec<HandAction>, PlanError> {
-    let multitaps = Multitaps::default();
-    let planner = Planner::new(keys, chords, &multitaps);
+    let keys = layout.key_bindings();
+    let mut planner = Planner::new(&keys, layout.bend_chords(), &layout.multitaps);
+    planner.finds_letters = finds_letters;
+    planner.chooses_letters = false;
     joined(text.chars().zip(planner.characters(text)))
 }
 
@@ -134,6 +137,8 @@ struct Planner<'a> {
     multitaps: &'a Multitaps,
     /// `true` if a text decoder finds the letters of multitap keys.
     finds_letters: bool,
+    /// `true` if taps in a row may choose a letter of a multitap key.
+    chooses_letters: bool,
 }
 
 impl<'a> Planner<'a> {
@@ -151,6 +156,7 @@ impl<'a> Planner<'a> {
             layers: Vec::new(),
             multitaps,
             finds_letters: false,
+            chooses_letters: true,
         };
         planner.find_layers();
         planner
@@ -233,7 +239,8 @@ impl<'a> Planner<'a> {
     fn has_choice(&self, stroke: Stroke) -> bool {
         let keys = stroke.actions.iter().flatten();
         let mut keys = keys.filter_map(|action| self.multitap(*action));
-        keys.any(|key| !self.is_found(key))
+        let has_multitaps = self.chooses_letters || self.finds_letters;
+        has_multitaps && keys.any(|key| !self.is_found(key))
     }
 
     /// Returns the number of taps of a multitap key that choose a letter.
@@ -243,7 +250,8 @@ impl<'a> Planner<'a> {
         if self.is_found(key) {
             letter.types_letter().then_some(1)
         } else {
-            Some(index + 1)
+            let is_first = self.finds_letters && index == 0;
+            (self.chooses_letters || is_first).then_some(index + 1)
         }
     }
 
@@ -317,9 +325,19 @@ mod tests {
         }
     }
 
+    fn taps(
+        text: &str,
+        keys: &[KeyBinding],
+        chords: &[Chord],
+    ) -> Result<Vec<HandAction>, PlanError> {
+        let multitaps = Multitaps::default();
+        let planner = Planner::new(keys, chords, &multitaps);
+        joined(text.chars().zip(planner.characters(text)))
+    }
+
     /// The numbers of the keys of each stroke.
     fn ids(text: &str, chords: &[Chord]) -> Result<Vec<Vec<u32>>, PlanError> {
-        let actions = taps_for_text(text, &board(), chords)?;
+        let actions = taps(text, &board(), chords)?;
         let targets = |action| match action {
             HandAction::Tap(point) => vec![point.target.0],
             HandAction::Chord(targets) => targets.iter().map(|target| target.0).collect(),
@@ -347,21 +365,29 @@ mod tests {
 
     #[test]
     fn letters_of_multitap_keys_take_taps_in_a_row_and_a_pause_before_another_one_of_the_key() {
-        let letters = ["A", "B", "2"].map(code).to_vec();
+        let multitap = |label: &str, letters: &[&str]| Multitap {
+            label: label.to_owned(),
+            letters: letters.iter().map(|letter| code(letter)).collect(),
+        };
         let multitaps = Multitaps {
-            keys: vec![Multitap {
-                label: "ab2".to_owned(),
-                letters,
-            }],
+            keys: vec![
+                multitap("ab2", &["A", "B", "2"]),
+                multitap(".,", &["Period", "Comma"]),
+            ],
             timeout: Duration::from_millis(800),
         };
         let mut keys = board();
         keys.push(key(3, &[Some(KeyAction::Multitap(MultitapId(0)))]));
-        let words = |text: &str, finds_letters: bool| {
+        keys.push(key(4, &[Some(KeyAction::Multitap(MultitapId(1)))]));
+        let planned = |text: &str, finds_letters: bool, chooses_letters: bool| {
             let mut planner = Planner::new(&keys, &[], &multitaps);
             planner.finds_letters = finds_letters;
-            let planned = planner.characters(text);
-            let actions = planned.into_iter().flat_map(Result::unwrap);
+            planner.chooses_letters = chooses_letters;
+            planner.characters(text)
+        };
+        let words = |text: &str, finds_letters: bool| {
+            let characters = planned(text, finds_letters, true);
+            let actions = characters.into_iter().flat_map(Result::unwrap);
             let words = actions.map(|action| match action {
                 HandAction::Tap(point) => point.target.0.to_string(),
                 HandAction::Wait(time) => format!("{} ms", time.as_millis()),
@@ -374,7 +400,11 @@ mod tests {
         assert_eq!(words("aB", false), "3 1 3 3");
         // A text decoder finds the letters.
         assert_eq!(words("baqB", true), "3 3 0 1 3");
-        assert_eq!(taps_for_text("a", &keys, &[]).ok(), None);
+        // No taps in a row choose.
+        let is_typed = |text: &str, finds_letters| planned(text, finds_letters, false)[0].is_ok();
+        assert!(is_typed("b", true) && !is_typed("a", false));
+        assert!(!is_typed("2", true) && is_typed("q", false));
+        assert!(is_typed(".", true) && !is_typed(".", false) && !is_typed(",", true));
     }
 
     #[test]
@@ -387,7 +417,7 @@ mod tests {
         );
         let several = ids("wqew", &[]).unwrap_err().to_string();
         assert!(several.ends_with("the key W; nor 'e'"), "{several}");
-        let no_shift = taps_for_text("Q", &board()[..1], &[]).unwrap_err();
+        let no_shift = taps("Q", &board()[..1], &[]).unwrap_err();
         assert_eq!(no_shift, PlanError::NoShift('Q'));
     }
 }

@@ -71,7 +71,7 @@ impl LoadedSetup {
     }
 
     /// Returns `true` if a text decoder finds the letters of multitap keys of the layout from the words.
-    pub(super) fn finds_letters(&self) -> bool {
+    pub fn finds_letters(&self) -> bool {
         let setup = self.setup.text.as_ref();
         let decodes = setup.is_some_and(|setup| TextMode::from(setup.mode) != TextMode::Literal);
         decodes && self.language.is_some() && text::finds_letters(&self.layout)

@@ -21,11 +21,12 @@ struct Heat {
     errors: usize,
 }
 
-/// Returns the drawing of the boards, with the keys of wrong characters in colours: yellow, and red from every third on.
-pub fn draw(layout: &Layout, characters: &[CharacterScore]) -> String {
+/// Returns the drawing of the boards, with the keys of wrong characters in colours: yellow, and red from every third on. With
+/// `finds_letters` a multitap key types all its letters.
+pub fn draw(layout: &Layout, characters: &[CharacterScore], finds_letters: bool) -> String {
     let look = Look::from_environment();
     let (columns, _) = ratatui::crossterm::terminal::size().unwrap_or((80, 24));
-    let heats = heats(layout, characters);
+    let heats = heats(layout, characters, finds_letters);
     let style = |target: TargetId| {
         let heat = heats.iter().find(|(known, _)| *known == target);
         let heat = heat.map_or(Heat::default(), |(_, heat)| *heat);
@@ -42,11 +43,14 @@ pub fn draw(layout: &Layout, characters: &[CharacterScore]) -> String {
 }
 
 /// Returns the errors of each target that types one of the characters: of the last one for a character of several.
-fn heats(layout: &Layout, characters: &[CharacterScore]) -> Vec<(TargetId, Heat)> {
-    let (keys, chords) = (layout.key_bindings(), layout.bend_chords());
+fn heats(
+    layout: &Layout,
+    characters: &[CharacterScore],
+    finds_letters: bool,
+) -> Vec<(TargetId, Heat)> {
     let mut heats: Vec<(TargetId, Heat)> = Vec::new();
     for score in characters {
-        let strokes = taps_for_text(&score.character.to_string(), &keys, chords);
+        let strokes = taps_for_text(&score.character.to_string(), layout, finds_letters);
         let targets = match strokes.unwrap_or_default().pop() {
             Some(HandAction::Chord(targets)) => targets,
             Some(action) => action.target().into_iter().collect(),
@@ -123,6 +127,7 @@ mod tests {
         let heats = heats(
             &layout,
             &[score('a', 2, 1), score('A', 3, 2), score('b', 1, 0)],
+            false,
         );
         let counts: Vec<_> = heats
             .iter()
@@ -133,11 +138,19 @@ mod tests {
         assert_eq!(a.label, "A");
         // N is a chord of index and middle finger, and E the index finger.
         let chords = Layout::load("chords-bend").unwrap();
-        let chord_heats = super::heats(&chords, &[score('n', 4, 4), score('e', 2, 0)]);
+        let chord_heats = super::heats(&chords, &[score('n', 4, 4), score('e', 2, 0)], false);
         let chord_counts: Vec<_> = chord_heats
             .iter()
             .map(|(_, heat)| (heat.attempts, heat.errors))
             .collect();
         assert_eq!(chord_counts, [(6, 4), (4, 4)]);
+        // The three letters of a key, from which a decoder finds the words.
+        let pad = Layout::load("phone-words").unwrap();
+        let scores = ['a', 'b', 'c'].map(|letter| score(letter, 2, 1));
+        let [(_, heat)] = super::heats(&pad, &scores, true)[..] else {
+            panic!("one key");
+        };
+        assert_eq!((heat.attempts, heat.errors), (6, 3));
+        assert!(super::heats(&pad, &scores, false).is_empty());
     }
 }

@@ -10,6 +10,7 @@ use ademan::files;
 use ademan::hand::Finger;
 use ademan::layout::Layout;
 use ademan::message::{escape, escape_path};
+use ademan::setup::LoadedSetup;
 use ademan::sim::{HandAction, taps_for_text};
 use clap::ValueEnum;
 
@@ -67,24 +68,27 @@ pub struct Lesson {
     pub text: String,
     /// The fingers that type each character, in a lesson of chords.
     pub chords: ChordLegend,
+    /// `true` if a text decoder finds the letters of multitap keys from one tap each.
+    pub finds_letters: bool,
 }
 
 /// The fingers that type each character together.
 pub type ChordLegend = BTreeMap<char, Vec<Finger>>;
 
 impl Lesson {
-    /// Returns the lesson that the arguments ask for. `number` chooses among the texts of a language.
-    pub fn choose(args: &Args, layout: &Layout, number: usize) -> Result<Self, Failure> {
+    /// Returns the lesson that the arguments ask for, for the layout of a setup. `number` chooses among the texts of a language.
+    pub fn choose(args: &Args, setup: &LoadedSetup, number: usize) -> Result<Self, Failure> {
+        let (layout, finds_letters) = (&setup.layout, setup.finds_letters());
         let (name, text) = match (&args.text, &args.file, args.lesson) {
             (Some(text), ..) => ("text", first_line(text)),
             (None, Some(path), _) => ("file", read(path)?),
             (None, None, Some(LessonKind::Chords)) => ("chords", chords(layout)?),
             (None, None, Some(LessonKind::Spanish)) => {
-                built_in("spanish", &SPANISH, layout, number)?
+                built_in("spanish", &SPANISH, setup, number)?
             }
             // Pointing has no text.
             (None, None, Some(LessonKind::English | LessonKind::Pointing) | None) => {
-                built_in("english", &ENGLISH, layout, number)?
+                built_in("english", &ENGLISH, setup, number)?
             }
         };
         if text.is_empty() {
@@ -92,20 +96,30 @@ impl Lesson {
                 "nothing to type: the text is empty; give another one with --text or --file",
             ));
         }
-        let strokes = taps_for_text(&text, &layout.key_bindings(), layout.bend_chords());
-        strokes.map_err(|error| {
+        let taps = taps_for_text(&text, layout, finds_letters);
+        taps.map_err(|error| {
             let layout_name = escape(&layout.name);
-            Failure::wrong_use(if layout.multitaps.keys.is_empty() {
+            Failure::wrong_use(if layout.multitaps.keys.is_empty() || finds_letters {
                 format!("`{layout_name}` cannot type this text: {error}; `ademan layout show` draws its keys")
             } else {
-                format!("`{layout_name}` types a character with several taps of a key, and practice counts one press for each character; choose another layout")
+                let remedy = if ademan::text::finds_letters(layout) {
+                    "add `--decoder auto`, with which one tap is a letter, or choose another layout"
+                } else {
+                    "choose another layout"
+                };
+                format!("`{layout_name}` types a character with several taps of a key, and practice counts one press for each character; {remedy}")
             })
         })?;
         let chords = match args.lesson {
             Some(LessonKind::Chords) => legend(&text, layout),
             _ => ChordLegend::new(),
         };
-        Ok(Self { name, text, chords })
+        Ok(Self {
+            name,
+            text,
+            chords,
+            finds_letters,
+        })
     }
 }
 
@@ -113,11 +127,11 @@ impl Lesson {
 fn built_in(
     name: &'static str,
     texts: &[&str],
-    layout: &Layout,
+    setup: &LoadedSetup,
     number: usize,
 ) -> Result<(&'static str, String), Failure> {
-    let (keys, chords) = (layout.key_bindings(), layout.bend_chords());
-    let can_type = |text: &&&str| taps_for_text(text, &keys, chords).is_ok();
+    let (layout, finds_letters) = (&setup.layout, setup.finds_letters());
+    let can_type = |text: &&&str| taps_for_text(text, layout, finds_letters).is_ok();
     let possible: Vec<&&str> = texts.iter().filter(can_type).collect();
     if possible.is_empty() {
         Ok(("characters", text::choose(TextChoice::Default, layout)?))
@@ -128,9 +142,8 @@ fn built_in(
 
 /// Returns the fingers of each character of a text that fingers type together.
 fn legend(text: &str, layout: &Layout) -> ChordLegend {
-    let keys = layout.key_bindings();
     let fingers = |character: char| {
-        let strokes = taps_for_text(&character.to_string(), &keys, layout.bend_chords()).ok()?;
+        let strokes = taps_for_text(&character.to_string(), layout, false).ok()?;
         let targets: Vec<TargetId> = match strokes.as_slice() {
             [HandAction::Chord(targets)] => targets.clone(),
             [action] => action.target().into_iter().collect(),
@@ -148,9 +161,8 @@ fn legend(text: &str, layout: &Layout) -> ChordLegend {
 
 /// Returns the characters that several fingers type together, each three times, few fingers first.
 fn chords(layout: &Layout) -> Result<String, Failure> {
-    let keys = layout.key_bindings();
     let fingers = |character: char| {
-        let strokes = taps_for_text(&character.to_string(), &keys, layout.bend_chords()).ok()?;
+        let strokes = taps_for_text(&character.to_string(), layout, false).ok()?;
         match strokes.as_slice() {
             [HandAction::Chord(fingers)] => Some(fingers.len()),
             _ => None,
@@ -169,7 +181,7 @@ fn chords(layout: &Layout) -> Result<String, Failure> {
     let groups = chords
         .iter()
         .map(|(_, character)| character.to_string().repeat(CHORD_REPETITIONS));
-    let has_space = taps_for_text(" ", &keys, layout.bend_chords()).is_ok();
+    let has_space = taps_for_text(" ", layout, false).is_ok();
     let separator = if has_space { " " } else { "" };
     Ok(groups.collect::<Vec<_>>().join(separator))
 }
@@ -221,26 +233,33 @@ fn one_line(text: &str) -> (String, bool) {
 mod tests {
     use super::*;
     use ademan::files::Load;
+    use ademan::setup::Setup;
+
+    fn on(layout: &str) -> LoadedSetup {
+        let setup = Setup {
+            layout: layout.to_owned(),
+            ..Setup::default()
+        };
+        setup.load_files().unwrap()
+    }
 
     #[test]
     fn the_texts_of_both_languages_are_for_every_keyboard_with_letters() {
         for layout in ["qwerty-flat", "spanish-flat", "dvorak-flat", "chords-bend"] {
-            let layout = Layout::load(layout).unwrap();
+            let setup = on(layout);
             for (number, text) in ENGLISH.iter().chain(&SPANISH).enumerate() {
                 let texts = &[*text];
-                let found = built_in("name", texts, &layout, number).unwrap();
-                assert_eq!(found, ("name", (*text).to_owned()), "{}", layout.name);
+                let found = built_in("name", texts, &setup, number).unwrap();
+                assert_eq!(found, ("name", (*text).to_owned()), "{layout}");
             }
         }
     }
 
     #[test]
     fn a_layout_without_letters_gets_its_own_characters() {
-        let numpad = Layout::load("numpad").unwrap();
-        let (name, text) = built_in("english", &ENGLISH, &numpad, 3).unwrap();
+        let (name, text) = built_in("english", &ENGLISH, &on("numpad"), 3).unwrap();
         assert_eq!((name, text.as_str()), ("characters", "3.14159*2-0.5"));
-        let arrows = Layout::load("arrows").unwrap();
-        assert!(built_in("english", &ENGLISH, &arrows, 0).is_err());
+        assert!(built_in("english", &ENGLISH, &on("arrows"), 0).is_err());
     }
 
     #[test]

@@ -31,6 +31,8 @@ pub struct PracticeLine {
     corrected: BTreeMap<char, usize>,
     /// The fingers of each character, in a lesson of chords.
     chords: ChordLegend,
+    /// `true` if a text decoder finds the letters of multitap keys from one tap each.
+    finds_letters: bool,
 }
 
 /// The times at which a character was to be typed.
@@ -65,12 +67,21 @@ impl PracticeLine {
             last: Timestamp(0),
             corrected: BTreeMap::new(),
             chords: ChordLegend::new(),
+            finds_letters: false,
         }
     }
 
     /// Shows the fingers of the next character, and the progress of each chord.
     pub fn with_chords(self, chords: ChordLegend) -> Self {
         Self { chords, ..self }
+    }
+
+    /// Counts no deleted letter as an error if a text decoder finds the letters: it changes them until the word ends.
+    pub fn with_found_letters(self, finds_letters: bool) -> Self {
+        Self {
+            finds_letters,
+            ..self
+        }
     }
 
     /// Adds an event. Those after the end of the text change nothing.
@@ -87,6 +98,7 @@ impl PracticeLine {
         let wanted = self.text.get(length).copied();
         if let (Some(deleted), Some(wanted)) = (deleted, wanted)
             && *deleted != wanted
+            && !self.finds_letters
         {
             *self.corrected.entry(wanted).or_default() += 1;
         }
@@ -250,9 +262,14 @@ mod tests {
     use super::*;
     use ademan::device::{EventKind, KeyCode};
 
-    /// Types names of keys, one each second.
     fn typed(text: &str, keys: &[&str]) -> PracticeLine {
         let mut line = PracticeLine::new(text);
+        type_keys(&mut line, keys);
+        line
+    }
+
+    /// Types names of keys, one each second.
+    fn type_keys(line: &mut PracticeLine, keys: &[&str]) {
         for (second, name) in keys.iter().enumerate() {
             let key: KeyCode = name.parse().unwrap();
             for kind in [EventKind::KeyDown(key), EventKind::KeyUp(key)] {
@@ -260,7 +277,6 @@ mod tests {
                 line.handle(&OutputEvent { time, kind });
             }
         }
-        line
     }
 
     fn worst(line: &PracticeLine, presented: &str) -> Vec<(char, usize, usize)> {
@@ -297,6 +313,17 @@ mod tests {
         // A correct character that is deleted is not an error.
         let retyped = typed("hola", &["H", "O", "Backspace", "O", "L", "A"]);
         assert_eq!(worst(&retyped, "hola"), []);
+    }
+
+    #[test]
+    fn a_letter_that_a_decoder_changes_is_no_error() {
+        let mut line = PracticeLine::new("he").with_found_letters(true);
+        type_keys(&mut line, &["I", "Backspace", "H", "E"]);
+        assert_eq!(line.score(true).error_rate, 0.0);
+        assert_eq!(worst(&line, "he"), []);
+        let mut wrong = PracticeLine::new("he").with_found_letters(true);
+        type_keys(&mut wrong, &["I", "E"]);
+        assert_eq!(worst(&wrong, "he"), [('h', 1, 1)]);
     }
 
     #[test]

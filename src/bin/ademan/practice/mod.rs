@@ -182,7 +182,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     if args.lesson == Some(LessonKind::Pointing) {
         return pointing::run(&args, setup, is_simulated, history);
     }
-    let lesson = Lesson::choose(&args, &setup.layout, history.count())?;
+    let lesson = Lesson::choose(&args, &setup, history.count())?;
     let mut report = practice(&args, setup, is_simulated, &lesson)?;
     let is_kept = report.is_complete && !args.no_history;
     if is_kept {
@@ -231,7 +231,9 @@ fn practice(
         None
     };
     let is_by_simulation = is_by_simulation(&setup, is_simulated);
-    let mut line = PracticeLine::new(&lesson.text).with_chords(lesson.chords.clone());
+    let mut line = PracticeLine::new(&lesson.text)
+        .with_chords(lesson.chords.clone())
+        .with_found_letters(lesson.finds_letters);
     run_task(args, setup, hand, &mut line)?;
     let is_complete = line.is_complete() || is_simulated && !signals::is_stop_requested();
     Ok(Report::new(

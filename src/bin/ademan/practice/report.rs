@@ -25,6 +25,7 @@ pub struct Report {
     seconds: f64,
     characters: Vec<CharacterScore>,
     chords: ChordLegend,
+    finds_letters: bool,
     /// `true` if the whole text was typed.
     pub is_complete: bool,
     is_simulated: bool,
@@ -47,6 +48,7 @@ impl Report {
             seconds: line.seconds(),
             characters: line.characters(&score.presented),
             chords: lesson.chords.clone(),
+            finds_letters: lesson.finds_letters,
             score,
             is_complete,
             is_simulated,
@@ -167,7 +169,8 @@ impl Report {
             writeln!(out, "chords     {} (correct of all)", chords.join(", "))?;
         }
         if io::stdout().is_terminal() && !worst.is_empty() {
-            out.write_all(heat::draw(&self.layout, &self.characters).as_bytes())?;
+            let drawing = heat::draw(&self.layout, &self.characters, self.finds_letters);
+            out.write_all(drawing.as_bytes())?;
         }
         match &self.progress {
             Some(progress) => write!(out, "{progress}"),
