@@ -303,6 +303,32 @@ fn the_decoder_is_better_than_other_readings_of_the_same_taps() {
 }
 
 #[test]
+fn a_phone_pad_is_typed_with_one_tap_a_letter_that_the_decoder_finds() {
+    let ended = run([
+        "lab",
+        "score",
+        "phone-words",
+        "--tier",
+        "T0",
+        "--people",
+        "2",
+        "--count",
+        "3",
+        "--decoder",
+        "auto",
+    ])
+    .done();
+    let out = &ended.out;
+    println!("{out}");
+    let [decoded, ..] = row(out, "decoder  ");
+    let [literal, ..] = row(out, "literal");
+    let [flat, ..] = row(out, "flat lexicon");
+    // The first letter of each key is rarely the one that is meant.
+    assert!(literal > 30.0, "{out}");
+    assert!(decoded < 15.0 && flat < literal, "{out}");
+}
+
+#[test]
 fn people_who_correct_leave_fewer_errors_and_press_more_keys() {
     let scored = |corrections: &str| {
         let ended = run([

@@ -249,7 +249,7 @@ fn one(
     score.untried = tasks.untried;
     score.pointing = pointing;
     score.text_readings = decoding.map_or_else(Vec::new, |decoding| {
-        let keys = KeyPlaces::new(station.layout());
+        let keys = KeyPlaces::new(station.layout(), station.finds_letters());
         readings::scores(&observed.taps, &keys, decoding.lexicon)
     });
     score.unreached = unreached.collect();

@@ -5,13 +5,13 @@ use parry3d::math::{Vec2, Vec3};
 use crate::contact::TargetId;
 use crate::contact::surface::Surface;
 use crate::contact::sweep::distance_from_outline;
-use crate::device::{KeyAction, KeyCode};
+use crate::device::{KeyAction, KeyCode, MultitapId};
 use crate::layout::Layout;
 
 /// A tap of a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Touch {
-    /// The character that the key types.
+    /// The character that the key types; the first letter of a multitap key.
     pub(crate) character: char,
     /// The index of the board.
     pub(crate) board: usize,
@@ -27,24 +27,21 @@ struct KeyPlace {
     center: Vec2,
 }
 
-/// The keys of a layout that type a character in the base layer.
+/// The keys of a layout that type a character in the base layer. A multitap key has a place for each of its letters.
 #[derive(Clone, Debug)]
 pub(crate) struct KeyPlaces(Vec<KeyPlace>);
 
 impl KeyPlaces {
-    pub(crate) fn new(layout: &Layout) -> Self {
+    /// Finds the keys. A decoder that `finds_letters` reads multitap keys, which are left out otherwise.
+    pub(crate) fn new(layout: &Layout, finds_letters: bool) -> Self {
         let mut places = Vec::new();
         for (board, own) in layout.boards.iter().enumerate() {
             for key in &layout.keys[own.keys.clone()] {
-                let character = match key.action(0) {
-                    Some(KeyAction::Key(KeyCode::BACKSPACE)) => Some('\u{8}'),
-                    Some(KeyAction::Key(code)) => {
-                        let character = code.us_character(false);
-                        character.filter(|character| !character.is_control())
-                    }
-                    _ => None,
+                let characters = match key.action(0) {
+                    Some(KeyAction::Multitap(id)) if finds_letters => letters(layout, id),
+                    action => action.and_then(character).into_iter().collect(),
                 };
-                places.extend(character.map(|character| KeyPlace {
+                places.extend(characters.into_iter().map(|character| KeyPlace {
                     target: key.face.target,
                     character,
                     board,
@@ -85,6 +82,31 @@ pub(crate) fn nearest_target(surface: &Surface, point: Vec3) -> Option<TargetId>
     });
     let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     nearest.map(|(_, _, id)| id)
+}
+
+/// Returns the character that an action types; a Backspace too.
+fn character(action: KeyAction) -> Option<char> {
+    match action {
+        KeyAction::Key(KeyCode::BACKSPACE) => Some('\u{8}'),
+        KeyAction::Key(code) => {
+            let typed = code.us_character(false);
+            typed.filter(|typed| !typed.is_control())
+        }
+        _ => None,
+    }
+}
+
+/// Returns the characters that one tap of a multitap key may mean: its letters, or its first sign.
+fn letters(layout: &Layout, id: MultitapId) -> Vec<char> {
+    let Some(key) = layout.multitaps.keys.get(usize::from(id.0)) else {
+        return Vec::new();
+    };
+    let characters = key.letters.iter().copied().filter_map(character);
+    if key.has_word_letters() {
+        characters.filter(|letter| letter.is_alphabetic()).collect()
+    } else {
+        characters.take(1).collect()
+    }
 }
 
 /// Adds a character to a text; a Backspace removes the last one.

@@ -32,8 +32,8 @@ impl Recorder {
             Some((key.face.target, target.surface_from_target.inverse()))
         });
         Self {
+            keys: KeyPlaces::new(layout, decoder.finds_letters()),
             decoder,
-            keys: KeyPlaces::new(layout),
             centers: centers.collect(),
             literal: UsTextField::new(),
             touches: Vec::new(),
@@ -113,5 +113,9 @@ impl PressFilter for SharedRecorder {
 
     fn reset(&mut self) {
         self.lock().decoder.reset();
+    }
+
+    fn finds_letters(&self) -> bool {
+        self.lock().decoder.finds_letters()
     }
 }

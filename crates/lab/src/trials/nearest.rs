@@ -13,7 +13,7 @@ use crate::sim::UsTextField;
 use crate::time::Timestamp;
 
 /// A text that is typed by pressing the nearest key of each tap, in the base layer. A modifier
-/// applies to the next key.
+/// applies to the next key. A multitap key types its first letter.
 struct NearestText<'a> {
     layout: &'a Layout,
     field: UsTextField,
@@ -45,7 +45,15 @@ impl<'a> NearestText<'a> {
         };
         let keys = &self.layout.keys;
         let key = keys.iter().find(|key| key.face.target == nearest);
-        match key.and_then(|key| key.actions.first().copied().flatten()) {
+        let action = key.and_then(|key| key.actions.first().copied().flatten());
+        let letter = match action {
+            Some(KeyAction::Multitap(id)) => {
+                let multitap = self.layout.multitaps.keys.get(usize::from(id.0));
+                multitap.and_then(|multitap| multitap.letters.first().copied())
+            }
+            other => other,
+        };
+        match letter {
             Some(KeyAction::Key(code)) => self.press(code),
             Some(KeyAction::Modifier(code, _)) => self.modifier = Some(code),
             _ => {}

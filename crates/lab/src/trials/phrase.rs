@@ -113,13 +113,12 @@ impl Station {
             let action = target.map(HandAction::tap);
             strokes.backspace = action.and_then(|action| self.step(&action, &mut strokes));
         }
-        let bindings = self.layout.key_bindings();
         for character in phrases.into_iter().flat_map(str::chars) {
             if strokes.known.contains_key(&character) || strokes.untypable.contains(&character) {
                 continue;
             }
             let text = character.to_string();
-            let actions = taps_for_text(&text, &bindings, self.layout.bend_chords());
+            let actions = taps_for_text(&text, &self.layout, self.finds_letters());
             let steps = actions.ok().and_then(|actions| {
                 let steps = actions.iter().map(|action| self.step(action, &mut strokes));
                 steps.collect::<Option<Vec<_>>>()

@@ -7,7 +7,7 @@ use crate::hand::Side;
 use crate::kinematics::{ArmModel, ArmModelError, half_bent_fingers};
 use crate::layout::{Fit, Glove, Layout};
 use crate::people::Participant;
-use crate::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use crate::pipeline::{LayoutInstance, Pipeline, PipelineSettings, PressFilter};
 use crate::readings::{DecoderFactory, Recorder, SharedRecorder};
 use crate::sim::TypingKeys;
 use crate::sim::fluent::{FluentHand, HandSetup, SourceKind, StartPosture};
@@ -39,6 +39,7 @@ pub struct Station {
     maps: Vec<Option<ChannelMap>>,
     /// The decoder of the person, and what the devices type before it.
     pub(super) recorder: Option<SharedRecorder>,
+    finds_letters: bool,
 }
 
 impl Station {
@@ -94,15 +95,22 @@ impl Station {
             assumed,
             maps,
             recorder: None,
+            finds_letters: false,
         })
     }
 
     /// Puts a text decoder behind the devices. Returns `false` if the layout has too few letters for it.
     pub fn set_decoder(&mut self, decoder: &DecoderFactory) -> bool {
         let decoder = decoder(&self.layout, self.hands.len() > 1);
+        self.finds_letters = decoder.as_deref().is_some_and(PressFilter::finds_letters);
         let recorder = decoder.map(|decoder| Recorder::new(&self.layout, decoder));
         self.recorder = recorder.map(SharedRecorder::new);
         self.recorder.is_some()
+    }
+
+    /// Returns `true` if the decoder finds the letters of multitap keys from one tap each.
+    pub(crate) fn finds_letters(&self) -> bool {
+        self.finds_letters
     }
 
     /// Returns the layout, as it fits the person.
@@ -191,5 +199,38 @@ fn sides(layout: &Layout, person: &Participant) -> Vec<Side> {
         (true, true) if !person.one_hand => vec![Side::Right, Side::Left],
         (false, true) => vec![Side::Left],
         _ => vec![Side::Right],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::Events;
+    use crate::people::{People, population};
+    use crate::pipeline::press_filter::FilterInput;
+
+    /// A decoder that finds letters, and changes nothing.
+    struct Finder;
+
+    impl PressFilter for Finder {
+        fn filter(&mut self, _: &FilterInput, _: &mut Events) {}
+
+        fn reset(&mut self) {}
+
+        fn finds_letters(&self) -> bool {
+            true
+        }
+    }
+
+    #[test]
+    fn letters_of_multitap_keys_are_typed_where_a_decoder_finds_them() {
+        let document = Document::shipped("phone-words").expect("a shipped layout");
+        let person = population(&People::Drawn(1), None, 2).remove(0);
+        let mut station = Station::new(&document, &person, SourceKind::Ideal).expect("a station");
+        let phrase = "a cab, 2";
+        assert!(!station.strokes_for([phrase]).can_type());
+        let make = |_: &Layout, _: bool| -> Option<Box<dyn PressFilter>> { Some(Box::new(Finder)) };
+        assert!(station.set_decoder(&make));
+        assert_eq!(station.strokes_for([phrase]).typable(phrase), "a cab ");
     }
 }

@@ -101,7 +101,7 @@ pub struct Prepared {
     people: PeopleSpec,
     tier: Option<Tier>,
     pub(super) source: SourceKind,
-    decoder: Option<Decoder>,
+    pub(super) decoder: Option<Decoder>,
     corrections: f64,
     pub(super) corpus: Corpus,
     pub(super) count: usize,

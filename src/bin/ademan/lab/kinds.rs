@@ -43,6 +43,11 @@ fn types(prepared: &Prepared, layout: &Document) -> Option<bool> {
     let person = prepared.participants().first()?;
     // The score reports an error.
     let mut station = Station::new(layout, person, prepared.source).ok()?;
+    if let Some(decoder) = &prepared.decoder
+        && !decoder.with(|decoding| station.set_decoder(decoding.decoder))
+    {
+        return None;
+    }
     let phrases = prepared.corpus.phrases.iter();
     let strokes = station.strokes_for(phrases.map(String::as_str));
     if strokes.can_type() {
