@@ -95,7 +95,7 @@ fn the_readings_of_a_live_hand_are_accepted_from_the_first_one() {
         let setup = load(name);
         for task in [
             HandTask::Fitting(HandTask::tour),
-            HandTask::Text("Hello, World".to_owned()),
+            HandTask::text("Hello, World".to_owned()),
         ] {
             let hand = setup.live_hand(task, &format);
             let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
@@ -276,7 +276,7 @@ fn a_live_hand_uses_the_keys_of_the_text_decoder() {
 fn a_hand_becomes_another_person_again_and_again_and_types_without_an_error() {
     let mut setup = load("qwerty-flat");
     let text = "hola";
-    let mut played = Played::new(&setup, HandTask::Text(text.to_owned()));
+    let mut played = Played::new(&setup, HandTask::text(text.to_owned()));
     let mut events = Events::new();
     let mut field = UsTextField::new();
     for reading in 0..3000 {

@@ -26,7 +26,7 @@ const MAX_REHEARSED: usize = 400;
 impl PageSession {
     /// Prepares a rehearsal on the layout in use.
     pub fn rehearsal(&self) -> Rehearsal {
-        let task = HandTask::Text(REHEARSED.to_owned());
+        let task = HandTask::text(REHEARSED.to_owned());
         let arms = [self.right.clone()];
         let person = SimulatedPerson::new(task, &self.layout, &arms, &Person::default());
         let mut readings = Vec::new();

@@ -180,7 +180,7 @@ impl PageSession {
 
     /// Starts a simulated person who types a text as far as the layout permits. Returns the reasons why that is not possible.
     pub fn type_text(&mut self, text: &str) -> Vec<Fault> {
-        self.simulate(HandTask::Text(text.to_owned()))
+        self.simulate(HandTask::text(text.to_owned()))
     }
 
     /// Starts a simulated person who plays a script. Returns the faults of the script.
@@ -418,7 +418,13 @@ impl PageSession {
 /// Returns what is left of a task: a text without its first characters, or the whole script.
 fn rest_of(task: &HandTask, typed: usize) -> HandTask {
     match task {
-        HandTask::Text(text) => HandTask::Text(text.chars().skip(typed).collect()),
+        HandTask::Text {
+            text,
+            finds_letters,
+        } => HandTask::Text {
+            text: text.chars().skip(typed).collect(),
+            finds_letters: *finds_letters,
+        },
         other => other.clone(),
     }
 }

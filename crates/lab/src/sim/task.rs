@@ -13,9 +13,12 @@ use crate::message::escape;
 #[derive(Clone, Debug)]
 pub enum HandTask {
     /// Types a text.
-    Text(String),
-    /// Types a text whose letters a text decoder finds: one tap of a multitap key for each.
-    FoundText(String),
+    Text {
+        /// The text.
+        text: String,
+        /// `true` if a text decoder finds the letters of multitap keys: one tap for each.
+        finds_letters: bool,
+    },
     /// Plays a script.
     Script(Script),
     /// Does what the function returns for the active layout.
@@ -34,13 +37,21 @@ pub(super) struct TaskStep {
 }
 
 impl HandTask {
+    /// Creates a task that types a text, of which no text decoder finds the letters.
+    pub fn text(text: String) -> Self {
+        Self::Text {
+            text,
+            finds_letters: false,
+        }
+    }
+
     /// Creates a tour of the controls of a layout.
     pub fn tour(layout: &Layout) -> Self {
         let text = tour_text(layout, &tour(layout));
         match Script::parse(Document::new("tour", text.as_str()), &layout.target_names()) {
             Ok(script) => Self::Script(script),
             // A tour is valid; without it the hand rests.
-            Err(_) => Self::Text(String::new()),
+            Err(_) => Self::text(String::new()),
         }
     }
 
@@ -57,7 +68,7 @@ impl HandTask {
     pub(super) fn resolve(&self, layout: &Layout) -> Self {
         match self {
             Self::Fitting(choose) => match choose(layout) {
-                Self::Fitting(_) => Self::Text(String::new()),
+                Self::Fitting(_) => Self::text(String::new()),
                 chosen => chosen,
             },
             given => given.clone(),
@@ -67,8 +78,16 @@ impl HandTask {
     /// Returns `true` if two texts or scripts are the same.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Text(text), Self::Text(other))
-            | (Self::FoundText(text), Self::FoundText(other)) => text == other,
+            (
+                Self::Text {
+                    text,
+                    finds_letters,
+                },
+                Self::Text {
+                    text: other_text,
+                    finds_letters: other_finds,
+                },
+            ) => text == other_text && finds_letters == other_finds,
             (Self::Script(script), Self::Script(other)) => script.text() == other.text(),
             _ => false,
         }
@@ -77,8 +96,10 @@ impl HandTask {
     /// Returns the steps on a layout. A step has the same index on every layout.
     pub(super) fn steps(&self, layout: &Layout) -> Vec<TaskStep> {
         match self {
-            Self::Text(text) => text_steps(text, layout, false),
-            Self::FoundText(text) => text_steps(text, layout, true),
+            Self::Text {
+                text,
+                finds_letters,
+            } => text_steps(text, layout, *finds_letters),
             Self::Script(script) => script_steps(script, layout),
             Self::Fitting(_) => Vec::new(),
         }

@@ -277,7 +277,7 @@ mod tests {
     #[test]
     fn a_hand_names_the_file_whose_text_is_tried() {
         let setup = Setup::default().load_files().unwrap();
-        let task = HandTask::Text("q".to_owned());
+        let task = HandTask::text("q".to_owned());
         let mut hand = setup.live_hand(task, &Hc11Format::default()).unwrap();
         let (said, messages) = unbounded();
         let receive = move |message| said.send(message).unwrap();

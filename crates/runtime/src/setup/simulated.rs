@@ -91,10 +91,10 @@ impl LoadedSetup {
             )),
             None => error.into(),
         })?;
-        let task = if finds_letters {
-            HandTask::FoundText(text.to_owned())
-        } else {
-            HandTask::Text(text.to_owned())
+        let text = text.to_owned();
+        let task = HandTask::Text {
+            text,
+            finds_letters,
         };
         Ok(self.following(typist, task))
     }

@@ -102,7 +102,7 @@ mod tests {
 
     fn simulated() -> (SimulatedHand, HandControl) {
         let setup = Setup::default().load_files().expect("the default setup");
-        simulate(&setup, HandTask::Text("hola".to_owned())).expect("a hand")
+        simulate(&setup, HandTask::text("hola".to_owned())).expect("a hand")
     }
 
     fn next(hand: &mut SimulatedHand) -> Sample {

@@ -18,7 +18,7 @@ pub fn hand(setup: &LoadedSetup, format: &Hc11Format) -> Result<SimulatedTypist,
 pub fn typed(layout: &Layout) -> HandTask {
     let text = || text::choose(TextChoice::Default, layout).ok();
     shipped_script(layout)
-        .or_else(|| text().map(HandTask::Text))
+        .or_else(|| text().map(HandTask::text))
         .unwrap_or_else(|| HandTask::tour(layout))
 }
 
