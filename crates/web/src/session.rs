@@ -12,7 +12,7 @@ use ademan_core::hand::{JointAngles, Side};
 use ademan_core::kinematics::{ArmModel, HandPose, half_bent_fingers};
 use ademan_core::layout::{Fit, Layout, Person};
 use ademan_core::objects::{EventObject, SceneState, TouchObject, layout_object, write_pose};
-use ademan_core::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use ademan_core::pipeline::{LayoutInstance, Pipeline, PipelineSettings, PressFilter};
 use ademan_core::snapshot::{Stats, StepView};
 use ademan_core::time::Timestamp;
 use ademan_lab::sim::{HandTask, Pointed, PointerHand, Script, UsTextField};
@@ -191,8 +191,12 @@ impl PageSession {
         }
     }
 
-    fn simulate(&mut self, task: HandTask) -> Vec<Fault> {
+    fn simulate(&mut self, mut task: HandTask) -> Vec<Fault> {
         self.release();
+        if let HandTask::Text { finds_letters, .. } = &mut task {
+            let filter = self.pipeline.layout().filter();
+            *finds_letters = filter.is_some_and(PressFilter::finds_letters);
+        }
         let mut arms = vec![self.right.clone()];
         if self.layout.uses_hand(Side::Left) {
             arms.push(self.left.clone());

@@ -65,6 +65,19 @@ fn a_word_is_corrected_at_its_end_and_not_in_the_literal_mode() {
 }
 
 #[test]
+fn the_hand_types_one_tap_a_letter_where_the_decoder_finds_them() {
+    for (mode, expected) in [
+        (TextMode::Auto, "hello world "),
+        // The first letter of each key, until a candidate is taken.
+        (TextMode::Suggest, "gdjjm wmpjd "),
+    ] {
+        let mut session = session("phone-words", mode);
+        type_text(&mut session, "hello world ");
+        assert_eq!(session.text(), expected, "{mode:?}");
+    }
+}
+
+#[test]
 fn a_candidate_is_taken_while_the_hand_rests_and_after_another_layout() {
     let mut session = session("qwerty-flat", TextMode::Suggest);
     let other = Document::shipped("qwerty-arc").expect("a shipped layout");
