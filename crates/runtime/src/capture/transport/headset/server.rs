@@ -210,11 +210,8 @@ impl Shared {
             |line| self.send(id, ClientEvent::Message(id, line)),
         );
         drop(connected);
-        let reason = if reason.contains(UNEXPECTED_END) {
-            "the connection has broken off, or the token was revoked".to_owned()
-        } else {
-            reason
-        };
+        let is_replaced = !self.clients.is_connected(id);
+        let reason = reason_of_end(reason, self.is_stopped(), is_replaced);
         tracing::info!("the headset `{name}` has left: {}", escape(&reason));
         self.send(id, ClientEvent::Left(id, reason));
         self.clients.remove(id);
@@ -233,6 +230,20 @@ impl Shared {
     fn send(&self, id: ClientId, event: ClientEvent) -> bool {
         let is_open = || !self.is_stopped() && self.clients.is_connected(id);
         send_when_there_is_room(&self.sender, event, is_open)
+    }
+}
+
+/// Returns the reason why a headset has left, from the words for the end of its connection. A headset that `is_replaced` was
+/// disconnected by the server, which reads one at a time.
+fn reason_of_end(words: String, is_stopped: bool, is_replaced: bool) -> String {
+    if is_stopped {
+        "the server stops".to_owned()
+    } else if is_replaced {
+        "it made room for another headset".to_owned()
+    } else if words.contains(UNEXPECTED_END) {
+        "the connection has broken off, or the token was revoked".to_owned()
+    } else {
+        words
     }
 }
 
@@ -279,4 +290,24 @@ fn layout_text(name: &str) -> Option<String> {
         tracing::warn!("the headset keeps the layout of its page: {error}");
     }
     document.ok().map(|document| document.text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_headset_that_makes_room_leaves_for_that_reason_and_not_for_the_end_of_the_server() {
+        let broken = "peer closed connection without sending TLS close_notify";
+        for (words, is_stopped, is_replaced, expected) in [
+            ("the server stops", false, true, "made room for another"),
+            (broken, false, true, "made room for another"),
+            (broken, true, true, "the server stops"),
+            (broken, false, false, "broken off, or the token was revoked"),
+            ("it sent nonsense", false, false, "it sent nonsense"),
+        ] {
+            let reason = reason_of_end(words.to_owned(), is_stopped, is_replaced);
+            assert!(reason.contains(expected), "{words}: {reason}");
+        }
+    }
 }
