@@ -404,6 +404,29 @@ fn one_cause_gives_one_warning_for_all_keys_out_of_reach() {
 }
 
 #[test]
+fn keys_that_the_simulated_hand_cannot_press_are_warnings() {
+    let folder = tempfile::tempdir().unwrap();
+    let key = |index: usize| {
+        let (x, y) = (27 * (index % 3) as i32 - 27, 33 - 22 * (index / 3) as i32);
+        format!(
+            "(code: \"F{}\", at_mm: ({x}, {y}), size_mm: Box(24, 17)),",
+            index + 1
+        )
+    };
+    let keys: String = (0..12).map(key).collect();
+    let pad = format!(
+        "Layout(name: \"pad\", boards: [\n(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45), keys: [{keys}]),\n\
+         (pose: (anchor: elbow, bearing_deg: 35, forward_mm: 190, height_mm: -45, right_mm: -10), shape: Arc(radius_mm: 90), keys: [\n\
+         (code: \"Space\", at_mm: (0, 0)), (code: \"Enter\", at_mm: (19, 0))])])"
+    );
+    let path = file(&folder, "pad.ron", pad);
+    let ended = run(["layout", "check", &path]).done();
+    let warning = " cannot be pressed by the simulated hand: its ";
+    assert!(ended.err.contains(warning), "{}", ended.err);
+    assert!(ended.err.contains("would press `F"), "{}", ended.err);
+}
+
+#[test]
 fn a_layout_is_checked_for_the_hand_of_a_flag_or_a_setup() {
     let folder = tempfile::tempdir().unwrap();
     let near = "Layout(name: \"near\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 262, height_mm: -45,\n\

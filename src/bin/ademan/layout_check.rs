@@ -1,4 +1,4 @@
-//! `ademan layout check`: errors in layout files, and keys out of reach.
+//! `ademan layout check`: errors in layout files, keys out of reach, and keys that the simulated hand cannot press.
 
 use std::io::{self, Write};
 
@@ -13,6 +13,9 @@ use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::setup_args::number_in;
+
+/// The largest number of controls that the simulated hand cannot press with a warning each.
+const MAX_UNPRESSABLE: usize = 12;
 
 /// Checks every file, even after an invalid one.
 pub fn check(
@@ -139,8 +142,9 @@ fn json_of(file: &str, outcome: &Result<Checked, DocumentError>) -> Value {
     }
 }
 
-/// Returns one warning for all controls that no hand of the setup can press, one for each pair of boards in one place, and one for a
-/// layout that follows a hand or a point of the body which the setup does not measure. Such a layout is still valid.
+/// Returns one warning for all controls that no hand of the setup reaches, one for each control within reach that the simulated hand
+/// cannot press, one for each pair of boards in one place, and one for a layout that follows a hand or a point of the body which the
+/// setup does not measure. Such a layout is still valid.
 fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let setup = Setup {
         layout: layout.file.clone(),
@@ -151,6 +155,15 @@ fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let setup = setup.load_files()?;
     let report = setup.reach_report(&setup.layout);
     let out_of_reach = report.map(|report| report.to_string());
+    let targets_out_of_reach = setup.hand_reach().on_boards(&setup.layout);
+    let unpressable = setup.controls_without_press(&setup.layout, &targets_out_of_reach);
+    let more = unpressable.len().saturating_sub(MAX_UNPRESSABLE);
+    let more = (more > 0).then(|| {
+        let controls = counted(more as u64, "more control");
+        format!("the simulated hand cannot press {controls}")
+    });
+    let unpressable = unpressable.iter().take(MAX_UNPRESSABLE);
+    let unpressable = unpressable.map(ToString::to_string).chain(more);
     let overlaps = setup.layout.board_overlaps();
     let overlaps = overlaps.iter().map(BoardOverlap::message);
     let missing = setup.missing_other_hand(&setup.layout);
@@ -158,6 +171,7 @@ fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let unmeasured = setup.unmeasured_body_point(&setup.layout);
     Ok(out_of_reach
         .into_iter()
+        .chain(unpressable)
         .chain(overlaps)
         .chain(missing)
         .chain(unmeasured)

@@ -24,7 +24,7 @@ pub use outputs::continued_outputs;
 pub use reach::{HandReach, ReachReport, TargetOutOfReach};
 pub use recorded::ReplaySettings;
 pub use schema::{setup_field_tables, setup_json_schema};
-pub use simulated::SIMULATED_HAND;
+pub use simulated::{SIMULATED_HAND, UnpressableControl};
 pub use sources::NamedSource;
 
 use std::iter;

@@ -1,5 +1,6 @@
 //! The simulated hands of a setup, which type texts and play scripts.
 
+use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -19,6 +20,27 @@ pub const SIMULATED_HAND: &str = "simulated hand";
 
 /// The largest number of keys, and of other controls, of a layout whose presses are tried.
 const MAX_TRIED: usize = 500;
+
+/// A control within reach that the simulated hand cannot press. It is displayed in one line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnpressableControl {
+    /// The target.
+    pub target: TargetId,
+    name: String,
+    /// The reason and the remedy.
+    reason: String,
+}
+
+impl fmt::Display for UnpressableControl {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, reason, .. } = self;
+        write!(
+            f,
+            "`{}` cannot be pressed by the simulated hand: {reason}",
+            escape(name)
+        )
+    }
+}
 
 impl LoadedSetup {
     /// Returns a simulated hand that types `text` on the layout and sends packets in `format`.
@@ -206,14 +228,14 @@ impl LoadedSetup {
         text
     }
 
-    /// Returns the controls of another layout that the simulated hand cannot press, with the reason and the remedy. Leaves out the
+    /// Returns the controls of another layout that the simulated hand cannot press. Leaves out the
     /// targets [out of reach](super::HandReach::on_boards) of the hands of the setup, keys that are pressed by bending, and keys of
     /// chords.
     pub fn controls_without_press(
         &self,
         layout: &Layout,
         out_of_reach: &[TargetOutOfReach],
-    ) -> Vec<(TargetId, String)> {
+    ) -> Vec<UnpressableControl> {
         let mut own = self.clone();
         own.layout = layout.clone();
         let Ok(hands) = own.hands(own.scripted_kind()) else {
@@ -245,10 +267,15 @@ impl LoadedSetup {
         let failed = uses.filter_map(|(control, actions)| Some((control, failure(&actions)?)));
         // A track out of reach is a matter of reach.
         let failed = failed.filter(|(_, kind)| matches!(kind, ActionErrorKind::WouldPress { .. }));
-        let reasons = failed_keys.chain(failed);
-        reasons
-            .filter_map(|(target, kind)| Some((target, reason_without_press(kind, layout)?)))
-            .collect()
+        let names = layout.target_names();
+        let found = failed_keys.chain(failed).filter_map(|(target, kind)| {
+            Some(UnpressableControl {
+                target,
+                name: names.get(target).to_string(),
+                reason: reason_without_press(kind, layout)?,
+            })
+        });
+        found.collect()
     }
 
     /// Returns what a script moves.

@@ -9,7 +9,7 @@ use super::{LayoutEditor, Problem, Severity};
 use ademan_core::contact::TargetId;
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
-use ademan_runtime::setup::{HandReach, LoadedSetup, TargetOutOfReach};
+use ademan_runtime::setup::{HandReach, LoadedSetup, TargetOutOfReach, UnpressableControl};
 
 /// The largest number of controls with a warning each: the nearest ones.
 const MAX_WARNINGS: usize = 20;
@@ -18,8 +18,8 @@ const MAX_WARNINGS: usize = 20;
 struct Found {
     /// Targets out of reach, the nearest first.
     out_of_reach: Vec<TargetOutOfReach>,
-    /// Controls within reach that the simulated hand cannot press, with the reasons.
-    without_press: Vec<(TargetId, String)>,
+    /// Controls within reach that the simulated hand cannot press.
+    without_press: Vec<UnpressableControl>,
 }
 
 /// Finds the controls out of reach after each edit, on a thread of its own: 10 000 keys take seconds.
@@ -120,10 +120,8 @@ fn warnings(found: &Found, editor: &LayoutEditor, layout: &Layout) -> Vec<Proble
         let message = format!("{rest} more controls are out of reach; {step}");
         warnings.push(problem(message, editor, None));
     }
-    for (target, reason) in found.without_press.iter().take(MAX_WARNINGS) {
-        let name = names.get(*target);
-        let message = format!("`{name}` cannot be pressed by the simulated hand: {reason}");
-        warnings.push(problem(message, editor, Some(*target)));
+    for control in found.without_press.iter().take(MAX_WARNINGS) {
+        warnings.push(problem(control.to_string(), editor, Some(control.target)));
     }
     warnings
 }
