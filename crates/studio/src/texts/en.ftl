@@ -523,6 +523,7 @@ editor-arc-step = Angle between
 editor-arc-radius = Radius
 editor-palette = Commands
 editor-palette-hint = Part of a name
+editor-palette-none = No command matches
 editor-mixed = mixed
 editor-open = Open…
 editor-open-hint = Open a file, an empty layout, or a copy of a layout that comes with the program (Ctrl-O)

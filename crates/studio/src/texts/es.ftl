@@ -523,6 +523,7 @@ editor-arc-step = Ángulo entre piezas
 editor-arc-radius = Radio
 editor-palette = Comandos
 editor-palette-hint = Parte de un nombre
+editor-palette-none = Ningún comando coincide
 editor-mixed = varios
 editor-open = Abrir…
 editor-open-hint = Abrir un archivo, una distribución vacía o una copia de una que viene con el programa (Ctrl-O)

@@ -119,6 +119,19 @@ fn the_keys_of_the_palette_close_it_again() {
 }
 
 #[test]
+fn the_palette_tells_that_no_command_matches() {
+    let mut window = Window::open();
+    let words = text("editor-palette-none");
+    for (query, expected) in [("a", 0), ("a xyzzy", 1)] {
+        window.press(Modifiers::COMMAND, Key::K);
+        window.write(query);
+        let count = window.harness.query_all_by_label(words).count();
+        assert_eq!(count, expected, "{query}");
+        window.press(Modifiers::NONE, Key::Escape);
+    }
+}
+
+#[test]
 fn the_palette_has_the_commands_that_can_be_used() {
     let mut window = Window::open();
     let board = text_with("editor-board", &[("number", 1.into())]);

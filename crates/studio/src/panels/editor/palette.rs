@@ -242,6 +242,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             }
             let area = egui::ScrollArea::vertical().max_height(320.0);
             area.show(ui, |ui| {
+                if found.is_empty() {
+                    ui.weak(text("editor-palette-none"));
+                }
                 for (index, command) in found.iter().enumerate() {
                     if show_row(ui, command, index == palette.chosen) {
                         run = Some(index);
