@@ -24,7 +24,7 @@ const TICKS: [f32; 3] = [9.0, 6.0, 3.5];
 const NUMBER: f32 = 6.5;
 const NUMBER_MIDDLE: f32 = 5.5;
 
-/// Room for half a number beside the corner, in points.
+/// Room for half a number beside the corner and before the end, in points.
 const NUMBER_ROOM: f32 = 9.0;
 
 /// Opacity of a ruler over the items, and of the extent of what is selected.
@@ -138,7 +138,8 @@ pub fn draw(rulers: &Rulers, viewport: &Viewport, size: Vec2, colors: &SceneColo
                 (false, false) => TICKS[2],
             };
             pen.add_tick(along, length);
-            if length == TICKS[0] && along >= WIDTH + NUMBER_ROOM {
+            let room = WIDTH + NUMBER_ROOM..=end - NUMBER_ROOM;
+            if length == TICKS[0] && room.contains(&along) {
                 pen.add_number(along, mark);
             }
         }
@@ -201,6 +202,21 @@ mod tests {
                 assert_eq!(number % 10, 0);
                 let expected = viewport.to_screen(Vec2::splat(number as f32), SIZE);
                 assert!((at[axis] - expected[axis]).abs() < 1e-2, "{number}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_number_is_cut_at_an_end() {
+        let viewport = viewport(3.0);
+        // The numbers are 30 points apart: some width ends at each part of one.
+        for points in 0..30 {
+            let size = SIZE + Vec2::splat(points as f32);
+            let picture = draw(&Rulers::default(), &viewport, size, &SceneColors::LIGHT);
+            for (number, at) in numbers(&picture) {
+                let axis = usize::from(at.y != NUMBER_MIDDLE);
+                let room = WIDTH + NUMBER_ROOM..=size[axis] - NUMBER_ROOM;
+                assert!(room.contains(&at[axis]), "{number} at {at} of {size}");
             }
         }
     }
