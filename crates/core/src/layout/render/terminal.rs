@@ -39,6 +39,9 @@ const TERMINAL_COLUMNS: usize = 80;
 const MAX_COLUMNS: f32 = 200.0;
 const MAX_ROWS: f32 = 80.0;
 
+/// The largest overlap of two enlarged keys, in metres, from which they are enlarged less. Smaller ones are rounding errors.
+const OVERLAP_TOLERANCE: f32 = 1e-4;
+
 /// A board on a grid of characters, with straight rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
@@ -110,13 +113,16 @@ impl Grid {
             .fold(f32::INFINITY, f32::min);
         // Keys are enlarged by half of the gap between them, so that neighbors touch on the grid.
         let gap = (board.pitch / 2.0 - min_half_width).max(0.0);
-        let min = faces
-            .iter()
-            .map(|face| face.row_position - half(face) - gap)
+        let halves: Vec<Vec2> = faces.iter().map(|face| half(face)).collect();
+        let added = enlargements(faces, &halves, gap);
+        let halves = halves.into_iter().zip(added);
+        let halves: Vec<Vec2> = halves.map(|(own, more)| own + more).collect();
+        let sized = || faces.iter().zip(&halves);
+        let min = sized()
+            .map(|(face, own)| face.row_position - *own)
             .reduce(Vec2::min);
-        let max = faces
-            .iter()
-            .map(|face| face.row_position + half(face) + gap)
+        let max = sized()
+            .map(|(face, own)| face.row_position + *own)
             .reduce(Vec2::max);
         let (min, max) = (min.unwrap_or_default(), max.unwrap_or_default());
         let size = max - min;
@@ -131,8 +137,8 @@ impl Grid {
             corner: Vec2::new(min.x, max.y),
             character_size,
         };
-        for face in faces {
-            grid.add(face, half(face) + gap);
+        for (face, own) in sized() {
+            grid.add(face, *own);
         }
         grid
     }
@@ -177,6 +183,30 @@ impl Grid {
             |row: Vec<char>| row.into_iter().collect::<String>().trim_end().to_owned() + "\n";
         canvas.into_iter().map(line).collect()
     }
+}
+
+/// Returns the length by which each key is enlarged to all sides, in metres: `largest`, or half of the distance to a neighbor that is
+/// nearer, so that keys which do not overlap do not overlap on the grid. `halves` are the half extents of the keys.
+fn enlargements(faces: &[&Face], halves: &[Vec2], largest: f32) -> Vec<f32> {
+    let mut lengths = vec![largest; faces.len()];
+    let left = |index: usize| faces[index].row_position.x - halves[index].x;
+    let mut order: Vec<usize> = (0..faces.len()).collect();
+    order.sort_by(|&one, &other| left(one).total_cmp(&left(other)));
+    for (place, &one) in order.iter().enumerate() {
+        let reach = faces[one].row_position.x + halves[one].x + 2.0 * largest;
+        let neighbors = order[place + 1..].iter().copied();
+        for other in neighbors.take_while(|&other| left(other) < reach) {
+            let offset = faces[other].row_position - faces[one].row_position;
+            let apart = offset.abs() - halves[one] - halves[other];
+            let room = apart.max_element() / 2.0;
+            if (-OVERLAP_TOLERANCE..largest - OVERLAP_TOLERANCE).contains(&room) {
+                for index in [one, other] {
+                    lengths[index] = lengths[index].min(room.max(0.0));
+                }
+            }
+        }
+    }
+    lengths
 }
 
 impl Cell {
@@ -317,4 +347,46 @@ fn wrapped(texts: &[String], separator: &str, indent: usize) -> String {
     }
     let indented = lines.iter().map(|line| format!("{:indent$}{line}\n", ""));
     indented.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns `true` if two cells share a character.
+    fn overlaps(one: &Cell, other: &Cell) -> bool {
+        let is_before =
+            |a: &Cell, b: &Cell| a.column + a.width <= b.column || a.row + a.height <= b.row;
+        !is_before(one, other) && !is_before(other, one)
+    }
+
+    #[test]
+    fn keys_of_different_widths_do_not_overlap_in_a_drawing() {
+        let keys = "(code: \"A\", at_mm: (-8.5, 0), size_mm: Box(16, 30)), (code: \"B\", at_mm: (8.5, 0), size_mm: Box(16, 30)), \
+                    (code: \"C\", at_mm: (0, 33), size_mm: Box(10, 30))";
+        let text =
+            format!("Layout(name: \"a\", boards: [(pose: (anchor: elbow), keys: [{keys}])])");
+        let layout = Layout::parse(&text, "a.ron").unwrap();
+        let expected = "   ┌─┐
+   │ │
+   │C│
+   │ │
+   └─┘
+┌──┐┌───┐
+│  ││   │
+│A ││ B │
+│  ││   │
+└──┘└───┘
+";
+        assert_eq!(layout.to_text(), expected);
+        for (name, shipped) in Layout::shipped().unwrap() {
+            for grid in shipped.grids(KeySize::Labelled) {
+                for (index, cell) in grid.cells.iter().enumerate() {
+                    let mut others = grid.cells[index + 1..].iter();
+                    let other = others.find(|other| overlaps(cell, other));
+                    assert_eq!(other, None, "{name}: {cell:?}");
+                }
+            }
+        }
+    }
 }
