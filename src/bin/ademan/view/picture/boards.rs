@@ -10,7 +10,7 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
 use ratatui::symbols::border;
-use ratatui::widgets::{Block, Widget};
+use ratatui::widgets::{Block, Clear, Widget};
 
 use super::Picture;
 use super::parts::{Part, PartKind};
@@ -45,8 +45,11 @@ pub fn draw(picture: &Picture, board: usize, grid: &Grid, buffer: &mut Buffer, a
     let is_lit = |cell: &Cell| {
         state.pressed.contains(&cell.target) || is_on(&picture.view.layout, cell.target, picture)
     };
-    for cell in grid.cells.iter().filter(|cell| !is_lit(cell)) {
-        draw_cell(picture, cell, buffer, area, Style::new());
+    for cell in &grid.cells {
+        hide_below(cell, buffer, area);
+        if !is_lit(cell) {
+            draw_cell(picture, cell, buffer, area, Style::new());
+        }
     }
     let tips = state.fingertips.iter().filter(|tip| tip.board == board);
     for tip in tips {
@@ -67,8 +70,26 @@ pub fn draw_keys(
     style: impl Fn(TargetId) -> Style,
 ) {
     for cell in &grid.cells {
+        hide_below(cell, buffer, area);
         draw_cell(picture, cell, buffer, area, style(cell.target));
     }
+}
+
+/// Hides the labels and frames of keys below a key, which is drawn after them.
+fn hide_below(cell: &Cell, buffer: &mut Buffer, board: Rect) {
+    let area = area_of(cell, board).intersection(buffer.area);
+    Clear.render(area, buffer);
+}
+
+/// Returns the part of a board that a key takes.
+fn area_of(cell: &Cell, board: Rect) -> Rect {
+    let area = Rect::new(
+        board.x + cell.column as u16,
+        board.y + cell.row as u16,
+        cell.width as u16,
+        cell.height as u16,
+    );
+    area.intersection(board)
 }
 
 fn handle(layout: &Layout, target: TargetId) -> Option<Handle> {
@@ -87,13 +108,7 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
     let Some(face) = picture.view.layout.face(cell.target) else {
         return;
     };
-    let area = Rect::new(
-        board.x + cell.column as u16,
-        board.y + cell.row as u16,
-        cell.width as u16,
-        cell.height as u16,
-    );
-    let area = area.intersection(board).intersection(buffer.area);
+    let area = area_of(cell, board).intersection(buffer.area);
     if area.is_empty() {
         return;
     }

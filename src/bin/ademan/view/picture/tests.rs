@@ -114,6 +114,26 @@ fn a_fingertip_does_not_cover_a_label() {
 }
 
 #[test]
+fn a_key_above_another_one_hides_the_label_below_it() {
+    let keys = r#"(code: "A", label: "below", at_mm: (0, 0), size_mm: Box(60, 17)),
+        (code: "B", at_mm: (0, 0), size_mm: Box(36, 17), lift_mm: 10)"#;
+    let layout = format!(r#"Layout(name: "a", boards: [(pose: (anchor: elbow), keys: [{keys}])])"#);
+    let view = View {
+        boards: Arc::default(),
+        layout: Arc::new(Layout::parse(&layout, "a.ron").unwrap()),
+        state: Arc::new(ViewState::starting(
+            "main",
+            "serial:/dev/ttyUSB0",
+            "desktop",
+        )),
+        messages: Arc::default(),
+        missed: 0,
+    };
+    let text = text(&drawn(&view, COLORED, 80, 24));
+    assert!(text.contains("   B   "), "{text}");
+}
+
+#[test]
 fn an_open_radial_menu_has_the_label_of_the_highlighted_sector() {
     let mut view = view("radial");
     let target = view.layout.target_names().find("Edit").unwrap();
