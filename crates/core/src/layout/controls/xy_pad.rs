@@ -13,7 +13,7 @@ use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
 use crate::layout::model::{Control, ControlKind, Face};
 use crate::layout::quantity::{Fraction, Offset, Steps};
-use crate::layout::render::drawing::{Canvas, Words, draw_label, draw_outline};
+use crate::layout::render::drawing::{Canvas, Words, draw_label, draw_outline, label_half};
 use crate::layout::schema::{Label, OutlineSchema};
 
 /// The kind, for editors.
@@ -178,6 +178,9 @@ impl ControlModel for XyPad {
 /// The largest number of steps with a mark each.
 const MAX_TICKS: u16 = 50;
 
+/// The distance between the label and the lines, as a part of half the smaller side.
+const LABEL_GAP: f32 = 0.02;
+
 /// Draws a pad with its handle, and lines through it to the edges.
 fn draw_pad(pad: &XyPad, face: &Face, canvas: &mut Canvas) {
     let half = face.outline.half_extents() * 1e3;
@@ -209,18 +212,35 @@ fn draw_pad(pad: &XyPad, face: &Face, canvas: &mut Canvas) {
         .axes
         .map(|axis| 2.0 * axis.initial.clamp(0.0, 1.0) - 1.0);
     let at = Vec2::new(x, -y) * inner;
-    canvas.line(
-        "tick",
-        [-1.0, 1.0].map(|side| Vec2::new(side * well.x, at.y)),
-    );
-    canvas.line(
-        "tick",
-        [-1.0, 1.0].map(|side| Vec2::new(at.x, side * well.y)),
-    );
+    let label_half = label_half(&face.label, room) + size * LABEL_GAP;
+    draw_cross(at, well, (label_at, label_half), canvas);
     canvas.circle("metal", at, radius);
     canvas.circle("on-metal", at, radius * 0.5);
     if pad.springs_back {
         draw_spring(at, radius, half, canvas);
+    }
+}
+
+/// Draws lines through a point to the edges of a well, which leave out the label: its center, and half of its room.
+fn draw_cross(at: Vec2, well: Vec2, (label, half): (Vec2, Vec2), canvas: &mut Canvas) {
+    for axis in [0, 1] {
+        let end = |along: f32| {
+            let mut end = at;
+            end[axis] = along;
+            end
+        };
+        let mut draw = |from: f32, to: f32| {
+            if from < to {
+                canvas.line("tick", [from, to].map(end));
+            }
+        };
+        let across = 1 - axis;
+        if (at[across] - label[across]).abs() < half[across] {
+            draw(-well[axis], label[axis] - half[axis]);
+            draw(label[axis] + half[axis], well[axis]);
+        } else {
+            draw(-well[axis], well[axis]);
+        }
     }
 }
 

@@ -190,6 +190,38 @@ mod tests {
     }
 
     #[test]
+    fn the_lines_of_an_xy_pad_do_not_cross_its_label() {
+        let text = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), \
+                    xy_pads: [(name: \"pad\", at_mm: (0, 0), size_mm: Box(100, 60))])])";
+        let layout = Layout::parse(text, "a.ron").unwrap();
+        let x = layout.target_names().find("pad x").unwrap();
+        let steps = (0..=20).map(|step| step as f32 / 20.0);
+        for (right, away) in steps
+            .clone()
+            .flat_map(|it| steps.clone().map(move |other| (it, other)))
+        {
+            let value = |target| Some(if x == target { right } else { away });
+            let marks = layout.front_marks(TargetId(0), value).unwrap();
+            let mut texts = marks.iter().filter_map(|mark| match mark.shape {
+                MarkShape::Text { center, size, .. } => Some((center, size)),
+                _ => None,
+            });
+            let (center, size) = texts.next().unwrap();
+            for mark in marks.iter().filter(|mark| mark.role == MarkRole::Scale) {
+                let MarkShape::Line(points, _) = &mark.shape else {
+                    continue;
+                };
+                let (low, high) = (points[0].min(points[1]), points[0].max(points[1]));
+                let beside = (center.clamp(low, high) - center).abs();
+                assert!(
+                    beside.max_element() > size * 0.5,
+                    "{right} {away}: {mark:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn the_mark_of_a_knob_turns_with_its_value() {
         let knob = "knobs: [(name: \"k\", at_mm: (0, 0), diameter_mm: 40, range_deg: 270)]";
         let tip = |value| {

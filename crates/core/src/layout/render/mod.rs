@@ -17,7 +17,7 @@ pub use wearer::{ReachArea, Wearer};
 /// The drawing interface of controls: shapes on a canvas, from which SVG and the marks of all other displays are made, and words.
 pub(super) mod drawing {
     pub use super::svg::{
-        Canvas, Placement, draw_fitted, draw_label, draw_outline, on_page, text_room,
+        Canvas, Placement, draw_fitted, draw_label, draw_outline, label_half, on_page, text_room,
     };
     pub use super::words::Words;
 }

@@ -28,7 +28,7 @@ use crate::layout::render::front::FrontMark;
 use crate::message::escape_markup;
 
 pub use self::canvas::{Canvas, Placement};
-pub use self::controls::{draw_fitted, draw_label, draw_outline, on_page, text_room};
+pub use self::controls::{draw_fitted, draw_label, draw_outline, label_half, on_page, text_room};
 pub use self::heat::{Heat, heat_style};
 pub(super) use self::style::{coloured, sheet};
 

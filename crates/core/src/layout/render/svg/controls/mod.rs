@@ -8,7 +8,7 @@ pub use key::draw_cap;
 use parry3d::math::Vec2;
 
 use super::canvas::{Align, Canvas, Placement};
-use super::text::{LINE_HEIGHT, fit};
+use super::text::{LINE_HEIGHT, fit, width_em};
 use crate::contact::surface::Shape;
 use crate::layout::Outline;
 use crate::layout::controls::Front;
@@ -101,6 +101,14 @@ pub fn draw_outline(class: &str, outline: &Outline, inset: f32, canvas: &mut Can
 /// Draws a label inside a rectangle, in one line or two.
 pub fn draw_label(class: &str, label: &str, center: Vec2, half: Vec2, canvas: &mut Canvas) {
     draw_fitted(class, label, center, half, MAX_LABEL_SIZE, canvas);
+}
+
+/// Returns half the width and height of a label as it is drawn inside a rectangle.
+pub fn label_half(label: &str, half: Vec2) -> Vec2 {
+    let fitted = fit(label, 2.0 * half, MAX_LABEL_SIZE);
+    let widths = fitted.lines.iter().map(|line| width_em(line));
+    let lines = fitted.lines.len() as f32;
+    Vec2::new(widths.fold(0.0, f32::max), lines * LINE_HEIGHT) * fitted.size / 2.0
 }
 
 /// Draws a text inside a rectangle, with a maximum size.
