@@ -250,7 +250,10 @@ fn draw_knob(knob: &Knob, face: &Face, canvas: &mut Canvas) {
     }
     if let (Some(rest), knob::KnobRange::Limited(range)) = (knob.rest, knob.range) {
         let at = (start_turns(range, knob.rest) + rest * range / TAU) * TAU - FRAC_PI_2;
-        draw_spring(at, radius, canvas);
+        // The rim of a wheel is of metal, and a dial has its marks around the rim.
+        let is_wheel = range / TAU > MAX_DIAL_TURNS;
+        let class = if is_wheel { "on-metal" } else { "icon" };
+        draw_spring(class, at, radius, canvas);
     }
     let half = Vec2::new(HUB * 0.92, HUB * 0.4) * radius;
     draw_label("label", &face.label, Vec2::ZERO, half, canvas);
@@ -293,13 +296,13 @@ fn draw_wheel(knob: &Knob, range: f32, radius: f32, canvas: &mut Canvas) {
 }
 
 /// Draws arrows along the rim, from both sides towards the position to which a spring returns the mark.
-fn draw_spring(at: f32, radius: f32, canvas: &mut Canvas) {
+fn draw_spring(class: &str, at: f32, radius: f32, canvas: &mut Canvas) {
     let point = |angle: f32, length: f32| Vec2::from_angle(angle) * radius * length;
     for side in [-1.0, 1.0] {
         for distance in [0.2, 0.32] {
             let wings = [0.84, 0.94].map(|length| point(at + side * (distance + 0.07), length));
             let tip = point(at + side * distance, 0.89);
-            canvas.polyline("icon", &[wings[0], tip, wings[1]]);
+            canvas.polyline(class, &[wings[0], tip, wings[1]]);
         }
     }
 }

@@ -239,6 +239,23 @@ mod tests {
     }
 
     #[test]
+    fn the_spring_of_a_wheel_is_seen_on_its_rim() {
+        let spring = |control: &str| -> Vec<MarkRole> {
+            let marks = marks(control, None);
+            let arrows = marks.iter().filter(|mark| match &mark.shape {
+                MarkShape::Line(points, _) => points.len() == 3,
+                _ => false,
+            });
+            arrows.map(|mark| mark.role).collect()
+        };
+        let wheel = "valves: [(name: \"w\", at_mm: (0, 0), diameter_mm: 90, turns: 2.5, initial: 0.5, springs_back: true)]";
+        assert_eq!(spring(wheel), [MarkRole::OnHandle; 4]);
+        // Around the rim of a dial.
+        let dial = "knobs: [(name: \"k\", at_mm: (0, 0), diameter_mm: 40, initial: 0.5, springs_back: true)]";
+        assert_eq!(spring(dial), [MarkRole::Scale; 4]);
+    }
+
+    #[test]
     fn an_open_menu_has_a_mark_at_its_highlighted_sector_and_the_labels_of_its_nested_menu() {
         let menu = "radial_menus: [(name: \"m\", at_mm: (0, 0), diameter_mm: 60, sectors: [(name: \"up\", tap: Key(\"A\")), \
                     (name: \"down\", menu: [(name: \"far\", tap: Key(\"B\")), (name: \"near\", tap: Key(\"C\"))])])]";
