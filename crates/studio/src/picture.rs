@@ -101,6 +101,46 @@ pub struct Picture {
     pub marks: Triangles,
 }
 
+/// The largest number of labels of a picture of which those below a shape are looked for: with more, the keys are too small for it to
+/// matter.
+const MAX_HIDDEN: usize = 1000;
+
+/// The part of a letter, as a multiple of its height, by which a label reaches to both sides at least.
+const LETTER_REACH: f32 = 0.15;
+
+impl Picture {
+    /// Removes the labels that a convex shape hides, which is added next: all labels are drawn above all shapes.
+    pub fn hide_labels(&mut self, outline: &[Vec2]) {
+        let low = outline.iter().copied().reduce(Vec2::min);
+        let high = outline.iter().copied().reduce(Vec2::max);
+        let (Some(low), Some(high)) = (low, high) else {
+            return;
+        };
+        if self.labels.len() > MAX_HIDDEN {
+            return;
+        }
+        let is_hidden =
+            |at: Vec2| at.cmpge(low).all() && at.cmple(high).all() && is_inside(outline, at);
+        self.labels.retain(|label| {
+            let reach = label.right * (LETTER_REACH * label.text.chars().count() as f32);
+            let points = [-reach, Vec2::ZERO, reach].map(|offset| label.position + offset);
+            !points.into_iter().any(is_hidden)
+        });
+    }
+}
+
+/// Returns `true` if a point is inside a convex outline.
+fn is_inside(outline: &[Vec2], at: Vec2) -> bool {
+    let (mut is_left, mut is_right) = (false, false);
+    for (index, &from) in outline.iter().enumerate() {
+        let to = outline[(index + 1) % outline.len()];
+        let turn = (to - from).perp_dot(at - from);
+        is_left |= turn > 0.0;
+        is_right |= turn < 0.0;
+    }
+    is_left != is_right
+}
+
 /// Width of the soft edge of a shape, in points.
 const FEATHER: f32 = 1.0;
 
@@ -318,6 +358,35 @@ mod tests {
         assert!(outer.iter().all(|corner| hull.contains(corner)));
         remove_inner_points(&mut points);
         assert!(points.len() < 200, "{}", points.len());
+    }
+
+    #[test]
+    fn a_shape_hides_the_labels_below_it_and_no_others() {
+        let label = |text: &str, x: f32| Label {
+            position: Vec2::new(x, 0.0),
+            right: Vec2::X * 10.0,
+            down: Vec2::Y * 10.0,
+            color: Color::rgb(1, 2, 3),
+            text: text.to_owned(),
+        };
+        // The end of a long one reaches into the disc.
+        let labels = [
+            ("left", -40.0),
+            ("reaching", -26.0),
+            ("A", 0.0),
+            ("B", 40.0),
+        ];
+        let mut picture = Picture {
+            labels: labels.map(|(text, x)| label(text, x)).into(),
+            ..Picture::default()
+        };
+        picture.hide_labels(&disc(Vec2::ZERO, 20.0));
+        picture.hide_labels(&[]);
+        // A label in the rectangle around a triangle is not below the triangle.
+        let corner = [(30.0, 20.0), (50.0, 20.0), (50.0, -1.0)].map(|(x, y)| Vec2::new(x, y));
+        picture.hide_labels(&corner);
+        let texts: Vec<&str> = picture.labels.iter().map(|it| it.text.as_str()).collect();
+        assert_eq!(texts, ["left", "B"]);
     }
 
     #[test]

@@ -134,6 +134,7 @@ fn add_plate(canvas: &mut Canvas, world_from_board: &Pose, surface: &Surface) {
     });
     if let Some(corners) = corners.collect::<Option<Vec<_>>>() {
         let color = canvas.colors.board;
+        canvas.picture.hide_labels(&corners);
         canvas.picture.below.add_flat_polygon(&corners, color);
     }
 }
@@ -190,6 +191,7 @@ fn add_key(canvas: &mut Canvas, layout: &Layout, front: &Front, pose: &Pose, sta
         return;
     };
     let hull = convex_hull(edge.iter().chain(&back).copied().collect());
+    canvas.picture.hide_labels(&hull);
     canvas.picture.below.add_flat_polygon(&hull, side);
     if is_turned_away {
         return;

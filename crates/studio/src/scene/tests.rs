@@ -76,6 +76,25 @@ fn every_key_of_a_board_has_a_label_that_is_upright() {
 }
 
 #[test]
+fn a_key_above_another_one_hides_the_label_below_it() {
+    let layout = |lift: u32| {
+        let text = format!(
+            "Layout(name: \"a\", boards: [(pose: (anchor: elbow, forward_mm: 300), keys: [\
+             (code: \"A\", at_mm: (0, 0)), (code: \"B\", at_mm: ({}, 0), lift_mm: {lift})])])",
+            if lift > 0 { 4 } else { 30 },
+        );
+        Layout::parse(&text, "a.ron").unwrap()
+    };
+    for (lift, expected) in [(0, "A B"), (8, "B")] {
+        let (model, camera) = scene_of(layout(lift));
+        let labels = picture(&model, &camera).labels.into_iter();
+        let mut texts: Vec<String> = labels.map(|label| label.text).collect();
+        texts.sort();
+        assert_eq!(texts.join(" "), expected, "{lift}");
+    }
+}
+
+#[test]
 fn the_labels_of_neighbours_on_an_arc_have_the_same_quarter_turn() {
     let (model, mut camera) = scene("piano");
     let points = points_of_interest(&model);

@@ -225,6 +225,7 @@ impl Pen<'_> {
         let radius = corner_radius(item) * stretch;
         let outer = self.outline(shape, (0.0, radius));
         let inner = self.outline(shape, (edge, radius));
+        self.picture.hide_labels(&outer);
         self.picture.below.add_flat_polygon(&outer, side);
         self.picture.below.add_flat_polygon(&inner, front);
         if item.marks.is_empty() {
