@@ -115,7 +115,7 @@ mod tests {
     fn a_tap_on_the_end_of_a_wide_key_types_it() {
         let document = Document::shipped("qwerty-flat").expect("a shipped layout");
         let layout = Layout::from_document(document).expect("a layout");
-        let keys = KeyPlaces::new(&layout);
+        let keys = KeyPlaces::new(&layout, false);
         let space = layout.key("Space").expect("a key").face.target;
         let (surface, target) = layout.scene.target(space).expect("a target");
         let mut detector = PlaneCrossing::new(layout.boards.len());
