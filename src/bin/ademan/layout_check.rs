@@ -155,8 +155,14 @@ fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let setup = setup.load_files()?;
     let report = setup.reach_report(&setup.layout);
     let out_of_reach = report.map(|report| report.to_string());
-    let targets_out_of_reach = setup.hand_reach().on_boards(&setup.layout);
-    let unpressable = setup.controls_without_press(&setup.layout, &targets_out_of_reach);
+    // The simulated hand wears the glove of the setup, not its camera or the arm of another source.
+    let is_simulated = setup.setup.source.is_none() && setup.setup.arm_source.is_none();
+    let unpressable = if is_simulated {
+        let targets_out_of_reach = setup.hand_reach().on_boards(&setup.layout);
+        setup.controls_without_press(&setup.layout, &targets_out_of_reach)
+    } else {
+        Vec::new()
+    };
     let more = unpressable.len().saturating_sub(MAX_UNPRESSABLE);
     let more = (more > 0).then(|| {
         let controls = counted(more as u64, "more control");
