@@ -12,7 +12,7 @@ use ademan::studio::{StudioApp, StudioError, open_window, texts};
 use super::window::{NO_OUTPUT, PICTURES, end, language, with_settings};
 use super::{Args, source};
 use crate::failure::Failure;
-use crate::{ctl, panics, session, signals};
+use crate::{ctl, panics, pause_signals, session, signals};
 
 /// The value of `--attach` for a session of its own.
 const OFF: &str = "off";
@@ -67,6 +67,8 @@ pub fn open(found: Found) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let quiet = Session::start(setup.load_files()?, options)?;
+    // SIGUSR1 to all programs of this name pauses the session that is shown, and does not end the window.
+    pause_signals::install(quiet.commands().clone())?;
     let app = StudioApp::new(&quiet).and_then(|app| app.with_attached(attached));
     let app = app.map_err(|error: StudioError| Failure::job(error.to_string()))?;
     let app = with_settings(app.with_pictures(PICTURES));

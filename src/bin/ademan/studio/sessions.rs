@@ -213,6 +213,45 @@ mod tests {
         SetupChange::Source(Some(uri.parse().expect("a source")))
     }
 
+    /// The environment variable that makes a test send itself a signal. Other tests of this program replace the session that it pauses.
+    #[cfg(unix)]
+    const IS_SIGNALLED: &str = "ADEMAN_TEST_SIGNALLED";
+
+    #[cfg(unix)]
+    const SIGNAL_TEST: &str =
+        "studio::sessions::tests::sigusr1_pauses_the_session_of_the_window_also_after_a_change";
+
+    #[cfg(unix)]
+    #[test]
+    fn sigusr1_pauses_the_session_of_the_window_also_after_a_change() {
+        use ademan::command::CommandOrigin;
+        use nix::sys::signal::{Signal, raise};
+
+        if std::env::var_os(IS_SIGNALLED).is_none() {
+            let program = std::env::current_exe().expect("its path");
+            let mut test = std::process::Command::new(program);
+            test.args(["--exact", SIGNAL_TEST]).env(IS_SIGNALLED, "1");
+            let ended = test.output().expect("this program");
+            let printed = String::from_utf8_lossy(&ended.stdout);
+            assert!(ended.status.success(), "{}: {printed}", ended.status);
+            assert!(printed.contains("1 passed"), "{printed}");
+            return;
+        }
+        let sessions = sessions();
+        for change in [None, Some(other("typist:8462"))] {
+            if let Some(change) = &change {
+                sessions.change(change, false).expect("another session");
+            }
+            let viewer = sessions.program(|session| Ok(session.add_viewer()));
+            let viewer = viewer.expect("a session");
+            raise(Signal::SIGUSR1).expect("a signal");
+            let mut views = viewer.views().iter();
+            let by_signal = Some(CommandOrigin::Signal);
+            let is_paused = views.any(|view| view.state.paused_by == by_signal);
+            assert!(is_paused, "after {change:?}");
+        }
+    }
+
     #[test]
     fn a_change_that_cannot_be_used_says_why_and_leaves_the_session() {
         let sessions = sessions();

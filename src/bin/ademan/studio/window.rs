@@ -23,7 +23,7 @@ use super::sessions::Sessions;
 use super::{Args, attach, first, headset_link, mesa, source};
 use crate::failure::Failure;
 use crate::picture::convert;
-use crate::{panics, session, signals, stats, watchdog};
+use crate::{panics, pause_signals, session, signals, stats, watchdog};
 
 /// The outputs, unless a setup file or the person names others: nothing is typed into other programs by surprise.
 pub(super) const NO_OUTPUT: &str = "none";
@@ -83,7 +83,7 @@ pub(super) fn live_options() -> SessionOptions {
     }
 }
 
-/// Starts a session that prints its notices, and waits until its outputs are open.
+/// Starts a session that prints its notices and that SIGUSR1 and Ctrl-Z pause, and waits until its outputs are open.
 pub(super) fn start(
     setup: LoadedSetup,
     mut options: SessionOptions,
@@ -92,6 +92,8 @@ pub(super) fn start(
     options.use_panic_keys = setup.setup.output != NO_OUTPUT;
     options.on_notice = Some(session::print_notices());
     let session = session::start(setup, options)?;
+    // With any outputs: the session after a change may have others, and SIGUSR1 without a handler ends the window.
+    pause_signals::install(session.commands().clone())?;
     session.wait_until_started();
     Ok(session)
 }
