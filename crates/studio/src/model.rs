@@ -46,7 +46,7 @@ pub struct StudioModel {
     pub trails: [[Trail; Finger::COUNT]; Side::COUNT],
     /// Contacts, by side and finger.
     pub contacts: [[Option<Contact>; Finger::COUNT]; Side::COUNT],
-    /// The latest joint angles.
+    /// The latest joint angles of the first hand.
     pub angles: Option<JointAngles>,
     /// Statistics of all readings so far.
     pub stats: Stats,
@@ -161,12 +161,15 @@ impl StudioModel {
         if let Some(latency) = snapshot.latency {
             self.latency.push(latency);
         }
-        if let Some(reading) = &snapshot.reading
-            && let Sample::Channels(channels) = &reading.sample
-        {
-            self.sensors.update(reading.time, channels);
+        let reading = snapshot.reading.as_ref();
+        if reading.is_none_or(|it| self.sensors.is_of(it)) {
+            if let Some(reading) = reading
+                && let Sample::Channels(channels) = &reading.sample
+            {
+                self.sensors.update(reading.time, channels);
+            }
+            self.angles = snapshot.angles.or(self.angles);
         }
-        self.angles = snapshot.angles.or(self.angles);
         match &snapshot.pose {
             Some(pose) => self.set_pose(pose),
             None if snapshot.state != PipelineState::Running => self.clear_contacts(),
@@ -229,17 +232,10 @@ impl StudioModel {
             let released = snapshot.events.first().map(|event| event.time);
             self.history.push_gap(released.unwrap_or_default());
         }
-        if let (Some(pose), Some(angles)) = (&snapshot.pose, &snapshot.angles) {
-            let degrees = |dof: Dof| {
-                if angles.is_known(dof) {
-                    angles.get(dof).to_degrees() as f32
-                } else {
-                    f32::NAN
-                }
-            };
+        if let (Some(pose), Some(_)) = (&snapshot.pose, &snapshot.angles) {
             self.history.push(Moment {
                 time: pose.time,
-                degrees: std::array::from_fn(|index| degrees(Dof::ALL[index])),
+                degrees: self.degrees(),
                 heights_mm: self.heights_mm(),
                 pressing: self.pressing(),
                 latency_ms: snapshot
@@ -251,6 +247,18 @@ impl StudioModel {
         for event in snapshot.events.iter().filter_map(SentEvent::new) {
             self.history.push_event(event);
         }
+    }
+
+    /// Returns the angles of the first hand in degrees; NaN for those that are not known, and for all while it is lost.
+    fn degrees(&self) -> [f32; Dof::COUNT] {
+        let first = self.sensors.side_of_two();
+        let is_lost = first.is_some_and(|side| self.poses[side.index()].is_none());
+        let angles = self.angles.filter(|_| !is_lost);
+        std::array::from_fn(|index| {
+            let dof = Dof::ALL[index];
+            let known = angles.filter(|it| it.is_known(dof));
+            known.map_or(f32::NAN, |it| it.get(dof).to_degrees() as f32)
+        })
     }
 
     /// Returns the heights of the pads of all fingertips over the first board; NaN for those that are not known.

@@ -8,7 +8,7 @@ use super::filter_trace::{FilterSample, FilterTrace};
 use super::glove_editor::GloveEditor;
 use super::glove_file::{GloveFile, SaveError};
 use super::guide::Guide;
-use super::sensors::SensorTable;
+use super::sensors::{SensorTable, is_of_first_hand, other_side};
 use super::texts::text_with;
 use ademan_core::estimate::Smoothing;
 use ademan_core::hand::JointAngles;
@@ -87,7 +87,9 @@ impl SensorControl {
         let map = self.editor.as_ref().map(GloveEditor::map);
         let table = map.map(SensorTable::new).unwrap_or_default();
         let source = self.setup().setup.source.as_ref();
-        table.with_simulated(source.is_none_or(is_simulated))
+        table
+            .with_simulated(source.is_none_or(is_simulated))
+            .with_other_hand(other_side(self.setup()))
     }
 
     /// Removes what changes the session: a recording is shown in its place.
@@ -100,6 +102,9 @@ impl SensorControl {
         let Some(reading) = &snapshot.reading else {
             return;
         };
+        if !is_of_first_hand(reading, other_side(self.setup())) {
+            return;
+        }
         let Sample::Channels(channels) = &reading.sample else {
             return;
         };

@@ -1,9 +1,10 @@
 //! The channels of a glove: count, joints, and signs of a broken sensor.
 
 use ademan_core::estimate::{ChannelMap, CountRange, JointLimits};
-use ademan_core::hand::{Dof, Finger, JointAngles};
+use ademan_core::hand::{Dof, Finger, JointAngles, Side};
 use ademan_core::time::Timestamp;
-use ademan_runtime::capture::Channels;
+use ademan_runtime::capture::{Channels, Reading};
+use ademan_runtime::setup::LoadedSetup;
 
 /// Movement of a neighbouring joint, as a fraction of the full scale, during which a working sensor of the same finger changes.
 const NEIGHBOUR_MOVEMENT: f64 = 0.15;
@@ -59,6 +60,8 @@ pub struct SensorTable {
     uses_full_range: bool,
     /// The hand is simulated: its sensors cannot get stuck, and without noise a joint is perfectly still.
     is_simulated: bool,
+    /// The other hand of the session, whose readings are not of this glove.
+    other_side: Option<Side>,
     time: Timestamp,
     is_seen: bool,
 }
@@ -94,6 +97,22 @@ impl SensorTable {
             is_simulated,
             ..self
         }
+    }
+
+    /// Sets the other hand of the session, if it has one. Its readings have channels of their own with the same indices.
+    #[must_use]
+    pub fn with_other_hand(self, other_side: Option<Side>) -> Self {
+        Self { other_side, ..self }
+    }
+
+    /// Returns `true` if a reading is of the first hand of the session, whose glove this is.
+    pub fn is_of(&self, reading: &Reading) -> bool {
+        is_of_first_hand(reading, self.other_side)
+    }
+
+    /// Returns the side of the first hand of a session with two.
+    pub fn side_of_two(&self) -> Option<Side> {
+        self.other_side.map(Side::opposite)
     }
 
     /// Shows another calibration of the same glove.
@@ -202,6 +221,16 @@ impl SensorRow {
     }
 }
 
+/// Returns the side of the other hand of a setup, if it has one.
+pub fn other_side(setup: &LoadedSetup) -> Option<Side> {
+    setup.other_hand.as_ref().map(|hand| hand.arm.side())
+}
+
+/// Returns `true` if a reading is of the first hand of a session whose other hand is on this side.
+pub fn is_of_first_hand(reading: &Reading, other_side: Option<Side>) -> bool {
+    other_side.is_none_or(|other| reading.side != Some(other))
+}
+
 /// Returns the counts at which a row reaches the limits of its joint, in ascending order, as far as they are within the full
 /// scale.
 fn limit_counts(map: &ChannelMap, index: usize) -> [Option<f64>; 2] {
@@ -218,8 +247,17 @@ fn limit_counts(map: &ChannelMap, index: usize) -> [Option<f64>; 2] {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::model::tests::{hand, snapshot};
+    use crate::scene::tests::model_of;
     use ademan_core::estimate::{AffineMap, ChannelRow};
+    use ademan_core::layout::Layout;
+    use ademan_core::pipeline::PipelineState;
+    use ademan_core::snapshot::Snapshot;
+    use ademan_runtime::capture::Sample;
+    use ademan_runtime::files::Load;
 
     fn row(dof: Dof, channel: usize) -> ChannelRow {
         ChannelRow {
@@ -307,5 +345,69 @@ mod tests {
         let mut full = SensorTable::new(&map.with_full_range(true));
         update(&mut full, 0, &counts);
         assert_eq!(states(&full)[..2], [ChannelState::Good; 2]);
+    }
+
+    /// Returns a step with a reading of a glove and the pose of its hand.
+    fn step(side: Side, second: u64, count: u16, angle: f64) -> Snapshot {
+        let mut pose = hand(second);
+        pose.side = side;
+        let channels = Channels {
+            full_scale: 255,
+            counts: [count].into_iter().collect(),
+            unsent: Default::default(),
+        };
+        let mut angles = JointAngles::default();
+        angles.set(Dof::IndexPipFlexion, angle);
+        Snapshot {
+            reading: Some(Reading::new(
+                pose.time,
+                Some(side),
+                Sample::Channels(channels),
+            )),
+            pose: Some(pose),
+            angles: Some(angles),
+            ..snapshot(PipelineState::Running)
+        }
+    }
+
+    #[test]
+    fn counts_and_angles_are_of_the_first_of_two_gloves() {
+        let map = ChannelMap::new(vec![row(Dof::IndexPipFlexion, 0)], 255);
+        let shown = |other_side: Option<Side>| {
+            let mut model = model_of(Arc::new(Layout::load("qwerty-flat").unwrap()));
+            model.sensors = SensorTable::new(&map).with_other_hand(other_side);
+            model.update(&step(Side::Right, 1, 20, 0.5));
+            model.update(&step(Side::Left, 2, 90, 1.5));
+            let angle = model.angles.unwrap().get(Dof::IndexPipFlexion);
+            let last = model.history.moments().next_back().unwrap();
+            let plotted = last.degrees[Dof::IndexPipFlexion.index()];
+            (
+                model.sensors.rows()[0].count,
+                angle,
+                plotted.round(),
+                model.poses.iter().flatten().count(),
+            )
+        };
+        let degrees = |radians: f32| radians.to_degrees().round();
+        assert_eq!(
+            shown(Some(Side::Left)),
+            (Some(20), 0.5, degrees(0.5), 2),
+            "the other hand moves nothing of the first one"
+        );
+        assert_eq!(shown(None), (Some(90), 1.5, degrees(1.5), 2));
+    }
+
+    #[test]
+    fn the_angles_of_a_first_hand_that_is_lost_have_a_gap() {
+        let map = ChannelMap::new(vec![row(Dof::IndexPipFlexion, 0)], 255);
+        let mut model = model_of(Arc::new(Layout::load("qwerty-flat").unwrap()));
+        model.sensors = SensorTable::new(&map).with_other_hand(Some(Side::Left));
+        model.update(&step(Side::Right, 1, 20, 0.5));
+        let mut next = step(Side::Left, 2, 90, 1.5);
+        next.lost_hands[Side::Right.index()] = true;
+        model.update(&next);
+        let last = model.history.moments().next_back().unwrap();
+        assert_eq!(last.time, Timestamp(2_000_000));
+        assert!(last.degrees.iter().all(|degrees| degrees.is_nan()));
     }
 }

@@ -19,7 +19,7 @@ pub use self::source::MOUSE;
 use self::source::PointerSource;
 use crate::model::StudioModel;
 use crate::scene;
-use crate::sensors::SensorTable;
+use crate::sensors::{SensorTable, other_side};
 use ademan_core::command::Command;
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
@@ -54,6 +54,7 @@ impl Fingertip {
         let source = PointerSource::new(&setup, received);
         let first_side = setup.arm.side();
         let other_hand = other_hand(&setup);
+        let sensors = SensorTable::default().with_other_hand(other_side(&setup));
         let options = SessionOptions {
             source: Some(Box::new(source)),
             speed: Some(1.0),
@@ -69,7 +70,7 @@ impl Fingertip {
         };
         Ok(Self {
             layout: Arc::clone(layout),
-            model: StudioModel::new(view, SensorTable::default()),
+            model: StudioModel::new(view, sensors),
             aim: Aim::new(first_side, moves),
             snapshots: session.snapshots().clone(),
             viewer,

@@ -12,7 +12,7 @@ use super::comparison::{Press, PressList};
 use super::step::RecordedStep;
 use crate::history::History;
 use crate::model::StudioModel;
-use crate::sensors::SensorTable;
+use crate::sensors::{SensorTable, other_side};
 use ademan_core::command::Command;
 use ademan_core::pipeline::{Pipeline, PipelineState};
 use ademan_core::snapshot::StepView;
@@ -72,9 +72,10 @@ impl Recording {
     pub fn first_model(&self) -> StudioModel {
         let map = self.setup.glove.as_ref().map(|glove| &glove.map);
         let source = format!("recording:{}", self.path.to_string_lossy());
+        let sensors = map.map(SensorTable::new).unwrap_or_default();
         StudioModel::new(
             session::first_view(&self.setup, &source),
-            map.map(SensorTable::new).unwrap_or_default(),
+            sensors.with_other_hand(other_side(&self.setup)),
         )
     }
 
