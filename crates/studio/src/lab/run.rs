@@ -8,7 +8,7 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
 use super::outcome::{LabOutcome, Scored};
 use super::settings::{LabDecoder, LabSettings, jobs};
-use crate::texts::text;
+use crate::texts::{language, set_language, text};
 use ademan_core::document::{Document, FileKind};
 use ademan_core::layout::Layout;
 use ademan_lab::measures::{
@@ -78,7 +78,10 @@ impl LabRun {
             all: request.settings.people as usize * layouts,
             result,
         };
+        let window_language = language();
         let work = move || {
+            // A reason names a list of the window, and each thread has a language of its own.
+            set_language(window_language);
             // The threads of the session go first. The threads that score inherit this.
             priority::shorten_time_slice();
             // The window may be closed.
@@ -189,6 +192,7 @@ pub(super) mod tests {
     use std::time::{Duration, Instant};
 
     use super::*;
+    use crate::texts::Language;
     use ademan_lab::people::Tier;
 
     pub fn request(other: Option<&str>) -> LabRequest {
@@ -249,5 +253,19 @@ pub(super) mod tests {
             "{reason}"
         );
         assert!(!reason.contains("--decoder"), "{reason}");
+    }
+
+    #[test]
+    fn a_reason_names_the_list_as_the_window_does() {
+        let mut request = request(None);
+        request.layout = Document::shipped("ray").expect("a shipped layout");
+        request.settings.decoder = super::super::LabDecoder::English;
+        set_language(Language::Spanish);
+        let reason = finish(&LabRun::start(request)).map(|_| ()).unwrap_err();
+        set_language(Language::English);
+        assert!(
+            reason.contains("the list “Decodificador de texto”"),
+            "{reason}"
+        );
     }
 }
