@@ -148,6 +148,69 @@ fn bad_files_are_errors_that_say_what_to_do() {
     }
 }
 
+#[test]
+fn a_gltf_takes_neither_more_time_nor_more_memory_than_its_size_permits() {
+    let folder = tempfile::tempdir().unwrap();
+    let read_beside = |content: &str| {
+        fs::write(folder.path().join("a.bin"), vec![0_u8; 3 << 20]).unwrap();
+        fs::write(folder.path().join("a.gltf"), content).unwrap();
+        let error = load_beside(&layout(&folder, "a.gltf"), "a.gltf").unwrap_err();
+        error.to_string()
+    };
+    let one = gltf(r#","uri":"a.bin""#);
+    let twice_below = one.replace(r#""children":[1]"#, r#""children":[1,1]"#);
+    let error = read_beside(&twice_below);
+    assert!(error.contains("below several others"), "{error}");
+    let buffer = r#"{"byteLength":36,"uri":"a.bin"}"#;
+    let many = one.replace(buffer, &[buffer; 6].join(","));
+    assert_ne!(many, one);
+    let large = read_beside(&many);
+    assert!(large.contains("more than 16 MiB"), "{large}");
+    // One mesh of five primitives with the same 262 144 positions.
+    let mut positions = one.replace(r#""count":3"#, r#""count":262144"#);
+    positions = positions.replace(r#""byteLength":36"#, r#""byteLength":3145728"#);
+    let primitive = r#"{"attributes":{"POSITION":0},"indices":1}"#;
+    let primitives = [primitive; 5].join(",");
+    positions = positions.replace(r#"{"attributes":{"POSITION":0}}"#, &primitives);
+    let indices =
+        r#","max":[1,1,0]},{"bufferView":0,"componentType":5125,"count":3,"type":"SCALAR"}]"#;
+    positions = positions.replace(r#","max":[1,1,0]}]"#, indices);
+    let vertices = read_beside(&positions);
+    assert!(vertices.contains("a million vertices"), "{vertices}");
+}
+
+#[test]
+fn a_gltf_with_values_of_other_types_is_an_error() {
+    use base64::Engine;
+    let text = base64::engine::general_purpose::STANDARD.encode(triangle_bytes());
+    let valid = gltf(&format!(
+        r#","uri":"data:application/octet-stream;base64,{text}""#
+    ));
+    assert!(read("a.gltf", &valid).is_ok());
+    let indexed = valid.replace(r#"{"POSITION":0}}"#, r#"{"POSITION":0},"indices":1}"#);
+    let with_indices = |kind: &str, count: usize| {
+        let accessor = format!(
+            r#","max":[1,1,0]}},{{"bufferView":0,"componentType":{kind},"count":{count},"type":"SCALAR"}}]"#
+        );
+        indexed.replace(r#","max":[1,1,0]}]"#, &accessor)
+    };
+    // The first three bytes of the buffer are 0.
+    let mesh = read("a.gltf", with_indices("5121", 3)).unwrap();
+    assert_eq!(mesh.triangles, [[0, 0, 0]]);
+    for content in [
+        with_indices("5126", 3),
+        with_indices("5121", 0),
+        valid.replace(r#""type":"VEC3""#, r#""type":"SCALAR""#),
+        valid.replace(
+            r#""byteLength":36}],"#,
+            r#""byteLength":36,"byteStride":4}],"#,
+        ),
+    ] {
+        let error = read("a.gltf", &content).unwrap_err().to_string();
+        assert!(error.contains("not valid glTF"), "{content}: {error}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_link_that_leads_out_of_the_folder_is_not_followed() {
