@@ -87,6 +87,13 @@ impl SessionResult {
         )
     }
 
+    /// Returns `true` if both results are of one layout, one kind of task, and both of a person or both of a simulated hand.
+    fn is_comparable(&self, other: &Self) -> bool {
+        self.layout == other.layout
+            && self.pointing.is_some() == other.pointing.is_some()
+            && self.is_simulated == other.is_simulated
+    }
+
     /// Returns the main figure with its unit, and the fraction of errors or misses.
     fn main_figures(&self) -> (f64, &'static str, f64) {
         match &self.pointing {
@@ -149,10 +156,10 @@ impl History {
         self.sessions.len()
     }
 
-    /// Keeps a result, and returns the latest ones of its layout. Results that other processes have kept since the file was read stay. A
+    /// Keeps a result, and returns the latest comparable ones. Results that other processes have kept since the file was read stay. A
     /// file that cannot be written is reported.
     pub fn add(mut self, session: SessionResult) -> Option<Progress> {
-        let (layout, is_pointing) = (session.layout.clone(), session.pointing.is_some());
+        let latest = session.clone();
         if let Err(error) = self.add_to_file(session) {
             let place = self.path.as_deref().map(escape_path);
             let place = place.unwrap_or_else(|| "the state folder".to_owned());
@@ -161,10 +168,8 @@ impl History {
             );
             return None;
         }
-        let of_layout = self.sessions.into_iter();
-        let of_layout =
-            of_layout.filter(|it| it.layout == layout && it.pointing.is_some() == is_pointing);
-        Some(Progress(of_layout.collect()))
+        self.sessions.retain(|it| it.is_comparable(&latest));
+        Some(Progress(self.sessions))
     }
 
     /// Adds a result to the file while no other process does.
@@ -256,7 +261,7 @@ impl History {
     }
 }
 
-/// The results on one layout, the latest one last.
+/// Comparable results, the latest one last.
 pub struct Progress(Vec<SessionResult>);
 
 impl fmt::Display for Progress {
@@ -389,6 +394,18 @@ mod tests {
         let history = read();
         assert_eq!(history.count(), MAX_SESSIONS);
         assert_eq!(history.sessions[0], session(1.0));
+    }
+
+    #[test]
+    fn the_progress_of_a_person_has_no_results_of_a_simulated_hand() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ademan/practice/sessions.jsonl");
+        let mut simulated = session(30.0);
+        simulated.is_simulated = true;
+        let add = |it| History::read_from(Some(path.clone())).add(it).unwrap();
+        add(simulated);
+        let progress = add(session(12.0)).to_string();
+        assert!(progress.contains("words/min 12.0 (oldest"), "{progress}");
     }
 
     #[test]
