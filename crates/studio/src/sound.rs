@@ -41,17 +41,21 @@ impl Sound {
         }
     }
 
-    /// Applies the settings. A change that leaves the clicks on plays one, as a sample.
-    pub fn apply(&mut self, settings: SoundSettings) {
+    /// Applies the settings. A change that leaves the clicks on plays one, as a sample. Returns `true` if there is an
+    /// [error](Self::error) that was not there before.
+    pub fn apply(&mut self, settings: SoundSettings) -> bool {
+        let had_error = self.error.is_some();
         let error = self.player.errors().try_recv().ok();
         self.error = self.error.take().or(error).filter(|_| settings.is_on);
+        let is_new = self.error.is_some() && !had_error;
         if self.applied == Some(settings) {
-            return;
+            return is_new;
         }
         self.player.set_volume(settings.level());
         if self.applied.replace(settings).is_some() && settings.level() > 0.0 {
             self.player.play(Click::Key);
         }
+        is_new
     }
 
     /// Returns the reason why clicks are not heard, until they are turned off.
@@ -87,17 +91,20 @@ mod tests {
         let (player, end) = ClickPlayer::new();
         let mut sound = Sound::new(player);
         let error = |reason: &str| SoundError::NoServer(reason.into());
-        sound.apply(settings(true));
+        assert!(!sound.apply(settings(true)));
         assert_eq!(sound.error(), None);
-        for reason in ["gone", "still gone"] {
+        for (reason, is_new) in [("gone", true), ("still gone", false)] {
             end.report(error(reason));
-            sound.apply(settings(true));
+            assert_eq!(sound.apply(settings(true)), is_new, "{reason}");
             assert_eq!(sound.error(), Some(&error("gone")));
+            assert!(!sound.apply(settings(true)), "it is said once");
         }
         end.report(error("late"));
-        sound.apply(settings(false));
+        assert!(!sound.apply(settings(false)));
         assert_eq!(sound.error(), None);
         sound.apply(settings(true));
         assert_eq!(sound.error(), None);
+        end.report(error("gone again"));
+        assert!(sound.apply(settings(true)));
     }
 }

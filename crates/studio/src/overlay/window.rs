@@ -101,13 +101,13 @@ impl Overlay {
         }
     }
 
-    /// Applies the settings of the clicks, and prints why none are heard.
+    /// Applies the settings of the clicks, and prints once why none are heard.
     fn apply_sound(&mut self) {
-        if let Some((sound, _)) = &mut self.sound {
-            sound.apply(self.settings.sound);
-            if let Some(error) = sound.error() {
-                tracing::warn!("{error}");
-            }
+        if let Some((sound, _)) = &mut self.sound
+            && sound.apply(self.settings.sound)
+            && let Some(error) = sound.error()
+        {
+            tracing::warn!("{error}");
         }
     }
 
