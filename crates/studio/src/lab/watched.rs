@@ -185,6 +185,17 @@ fn setup(
     Ok(loaded)
 }
 
+/// Returns the path of a new recording. A program that was killed leaves its recording, and in a container the next one has its number.
+fn free_path(folder: &Path) -> PathBuf {
+    loop {
+        let number = RECORDINGS.fetch_add(1, Ordering::Relaxed);
+        let path = folder.join(format!("person-{}-{number}.mcap", std::process::id()));
+        if path.symlink_metadata().is_err() {
+            return path;
+        }
+    }
+}
+
 /// Writes the readings of a phrase to a file that only this user can read.
 fn record(setup: &LoadedSetup, phrase: &WatchedPhrase) -> Result<TemporaryFile, String> {
     let folder = files::state_folder()
@@ -200,9 +211,7 @@ fn record(setup: &LoadedSetup, phrase: &WatchedPhrase) -> Result<TemporaryFile, 
         fs::create_dir_all(parent).map_err(|error| cannot(&error))?;
     }
     files::create_private_folder(&folder).map_err(|error| cannot(&error))?;
-    let number = RECORDINGS.fetch_add(1, Ordering::Relaxed);
-    let name = format!("person-{}-{number}.mcap", std::process::id());
-    let file = TemporaryFile(folder.join(name));
+    let file = TemporaryFile(free_path(&folder));
     let recorder = Recorder::create(&file.0, &setup.recorded_setup());
     let mut recorder = recorder.map_err(|error| error.to_string())?;
     for reading in &phrase.readings {
@@ -291,6 +300,18 @@ mod tests {
         let mut decoded = request(None);
         decoded.settings.decoder = LabDecoder::English;
         assert_same(decoded, 2);
+    }
+
+    #[test]
+    fn a_recording_of_a_program_that_was_killed_is_in_no_ones_way() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let next = RECORDINGS.load(Ordering::Relaxed);
+        for number in next..next + 50 {
+            let name = format!("person-{}-{number}.mcap", std::process::id());
+            fs::write(folder.path().join(name), "").expect("a file");
+        }
+        let path = free_path(folder.path());
+        assert!(!path.exists(), "{}", path.display());
     }
 
     #[test]
