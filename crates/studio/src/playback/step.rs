@@ -91,8 +91,28 @@ impl RecordedStep {
     /// Updates a model as the session does that sends this step.
     pub fn apply_to(&self, model: &mut StudioModel) {
         if let Some(view) = &self.view {
-            model.view = View::clone(view);
+            model.set_view(View::clone(view));
         }
         model.update(&self.to_snapshot());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::tests::snapshot;
+    use crate::scene::tests::model_of;
+    use ademan_core::layout::Layout;
+    use ademan_runtime::files::Load;
+
+    #[test]
+    fn a_profile_that_becomes_active_has_its_meshes() {
+        let layout = |name: &str| Arc::new(Layout::load(name).unwrap());
+        let mut model = model_of(layout("qwerty-flat"));
+        let next = model_of(layout("claws")).view;
+        let step = snapshot(PipelineState::Running);
+        RecordedStep::new(&step.view(), Some(next)).apply_to(&mut model);
+        assert_eq!(model.view.layout.name, layout("claws").name);
+        assert!(model.shapes.mesh("claw.obj").is_some());
     }
 }
