@@ -13,7 +13,7 @@ use ademan::studio::setup_change::SetupChange;
 use ademan::studio::simulated::HandControl;
 use ademan::studio::{SessionRequest, StudioApp, StudioError};
 
-use super::window::{NO_OUTPUT, live_app, live_options, start};
+use super::window::{NO_OUTPUT, launch, live_app, live_options};
 use super::{first, headset_link, source};
 use crate::failure::Failure;
 use crate::root_args::RootArgs;
@@ -103,9 +103,10 @@ impl Sessions {
     fn begin(&self, next: Next, is_paused: bool) -> Result<StudioApp, Failure> {
         let arm = next.loaded.arm_document().cloned();
         let headset = headset_link(&next.loaded)?;
-        let session = start(next.loaded, next.options)?;
+        let session = launch(next.loaded, next.options)?;
         if is_paused {
-            // Before it is armed, which takes a hand that is clear of every key.
+            // Queued before the first reading, which arms the output of a setup with `arm_immediately`. A session that has ended
+            // receives nothing.
             let _ = session.commands().send(Command::Pause);
         }
         if !session.wait_until_started() {
@@ -188,15 +189,22 @@ fn check_source(uri: &SourceUri) -> Result<(), Failure> {
 
 #[cfg(test)]
 mod tests {
+    use ademan::pipeline::PipelineState;
+
     use super::*;
 
     /// Starts the session of a window with the simulated hand.
     fn sessions() -> Sessions {
+        sessions_of(Setup::default())
+    }
+
+    /// Starts the session of a window with the simulated hand and the rest of a setup.
+    fn sessions_of(setup: Setup) -> Sessions {
         let sessions = Sessions::new(Setup::default(), None, RootArgs::default());
         let setup = Setup {
             output: NO_OUTPUT.into(),
             layout: "numpad".into(),
-            ..Setup::default()
+            ..setup
         };
         let next = Next::load(setup, "").expect("a setup that comes with the program");
         sessions.begin(next, false).expect("a session");
@@ -303,6 +311,25 @@ mod tests {
         for name in ["events", "events.2"] {
             assert!(folder.path().join(name).is_file(), "{name}");
         }
+    }
+
+    #[test]
+    fn a_session_that_starts_paused_is_never_armed_before() {
+        let sessions = sessions_of(Setup {
+            arm_immediately: true,
+            ..Setup::default()
+        });
+        let change = SetupChange::Layout("numpad".into());
+        sessions.change(&change, true).expect("another session");
+        let viewer = sessions.program(|session| Ok(session.add_viewer()));
+        let viewer = viewer.expect("a session");
+        let mut views = viewer.views().iter();
+        let first = views.find(|view| view.state.state != PipelineState::Starting);
+        let view = first.expect("a view of the running session");
+        assert_eq!(view.state.state, PipelineState::Paused);
+        assert!(view.state.paused_by.is_some());
+        let is_armed = |notice: &String| notice.starts_with("armed");
+        assert!(!view.messages.iter().any(is_armed), "{:?}", view.messages);
     }
 
     #[test]

@@ -83,8 +83,15 @@ pub(super) fn live_options() -> SessionOptions {
     }
 }
 
-/// Starts a session that prints its notices and that SIGUSR1 and Ctrl-Z pause, and waits until its outputs are open.
-pub(super) fn start(
+/// Starts a session as [`launch`] does, and waits until its outputs are open.
+pub(super) fn start(setup: LoadedSetup, options: SessionOptions) -> Result<SessionHandle, Failure> {
+    let session = launch(setup, options)?;
+    session.wait_until_started();
+    Ok(session)
+}
+
+/// Starts a session that prints its notices and that SIGUSR1 and Ctrl-Z pause.
+pub(super) fn launch(
     setup: LoadedSetup,
     mut options: SessionOptions,
 ) -> Result<SessionHandle, Failure> {
@@ -94,7 +101,6 @@ pub(super) fn start(
     let session = session::start(setup, options)?;
     // With any outputs: the session after a change may have others, and SIGUSR1 without a handler ends the window.
     pause_signals::install(session.commands().clone())?;
-    session.wait_until_started();
     Ok(session)
 }
 
