@@ -44,6 +44,7 @@ mod joint_names;
 pub mod lab;
 pub mod latency;
 pub mod marks;
+mod missed;
 pub mod model;
 pub mod notices;
 pub mod overlay;

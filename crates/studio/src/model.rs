@@ -154,6 +154,7 @@ impl StudioModel {
 
     /// Adds the results of a step.
     pub fn update(&mut self, snapshot: &Snapshot) {
+        self.catch_up(snapshot);
         self.stats = snapshot.stats;
         if snapshot.pose.is_some() {
             self.rejected_before = snapshot.stats.rejected;
@@ -180,7 +181,12 @@ impl StudioModel {
         }
         for touch in &snapshot.touches {
             let contact = &mut self.contacts[touch.side.index()][touch.finger.index()];
-            let was_pressed = contact.is_some_and(|contact| contact.is_pressed);
+            let pressed = &self.view.state.pressed;
+            let was_pressed = match &*contact {
+                Some(known) => known.is_pressed,
+                // The press was missed.
+                None => touch.phase == Phase::Moved && pressed.contains(&touch.target),
+            };
             *contact = match touch.phase {
                 Phase::Left | Phase::Cancelled => None,
                 phase => Some(Contact {
