@@ -80,15 +80,19 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
     thread.spawn(handle).map(drop).map_err(Failure::no_thread)
 }
 
-/// Handles Ctrl-Z until the program ends, for a program without a session: gives the terminal back while it is stopped.
+/// Handles Ctrl-Z until the program ends, for a program without a session: gives the terminal back while it is stopped. SIGUSR1 to all
+/// programs of this name does not end it, which would leave the terminal covered.
 pub fn install_without_session() -> Result<(), Failure> {
     if IS_INSTALLED.swap(true, Ordering::SeqCst) {
         return Ok(());
     }
     let failed = |error| Failure::job(format!("cannot handle signals: {error}"));
     let last = LastRequest::watch().map_err(failed)?;
-    let mut signals = Signals::new([SIGTSTP]).map_err(failed)?;
-    let handle = move || signals.forever().for_each(|_| stop_process(&last));
+    let mut signals = Signals::new([SIGUSR1, SIGTSTP]).map_err(failed)?;
+    let handle = move || {
+        let stops = signals.forever().filter(|signal| *signal == SIGTSTP);
+        stops.for_each(|_| stop_process(&last));
+    };
     let thread = thread::Builder::new().name("signals".into());
     thread.spawn(handle).map(drop).map_err(Failure::no_thread)
 }
@@ -123,5 +127,37 @@ fn stop_process(last: &LastRequest) {
     }
     if was_viewed {
         view::resume();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::env;
+    use std::process::Command as Process;
+
+    use nix::sys::signal::{Signal, raise};
+
+    use super::*;
+
+    /// The environment variable that makes a test send itself a signal.
+    const IS_SIGNALLED: &str = "ADEMAN_TEST_SIGUSR1";
+
+    const NAME: &str =
+        "pause_signals::unix::tests::a_program_without_a_session_goes_on_after_sigusr1";
+
+    #[test]
+    fn a_program_without_a_session_goes_on_after_sigusr1() {
+        if env::var_os(IS_SIGNALLED).is_some() {
+            install_without_session().expect("a thread");
+            raise(Signal::SIGUSR1).expect("a signal");
+            return;
+        }
+        let program = env::current_exe().expect("its path");
+        let mut test = Process::new(program);
+        let ended = test.args(["--exact", NAME]).env(IS_SIGNALLED, "1").output();
+        let ended = ended.expect("this program");
+        let printed = String::from_utf8_lossy(&ended.stdout);
+        assert!(ended.status.success(), "{}: {printed}", ended.status);
+        assert!(printed.contains("1 passed"), "{printed}");
     }
 }
