@@ -165,6 +165,11 @@ impl SensorControl {
         }
     }
 
+    /// Returns `true` if the glove has changes that are not saved.
+    pub fn is_unsaved(&self) -> bool {
+        self.editor.as_ref().is_some_and(GloveEditor::is_changed)
+    }
+
     /// Changes the glove, and the session with the next picture if that has an effect.
     pub fn edit(&mut self, change: impl FnOnce(&mut GloveEditor)) {
         let Some(editor) = &mut self.editor else {

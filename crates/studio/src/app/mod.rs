@@ -470,7 +470,7 @@ impl<'a> StudioStart<'a> {
         let (Some(app), Some(open)) = (&mut self.app, &mut self.open) else {
             return;
         };
-        let Some(change) = app.panels.next_setup.take() else {
+        let Some(change) = app.panels.take_setup(&app.sensors) else {
             return;
         };
         // The next program reads them.

@@ -248,6 +248,17 @@ impl PanelState {
         self.workspace = Workspace::Calibration;
     }
 
+    /// Returns the change of the setup that was chosen, if any. It is refused while the session has changes of the glove that are not
+    /// saved: they would end with the session.
+    pub fn take_setup(&mut self, sensors: &SensorControl) -> Option<SetupChange> {
+        let change = self.next_setup.take()?;
+        if sensors.is_unsaved() {
+            self.refuse(text("devices-unsaved").to_owned());
+            return None;
+        }
+        Some(change)
+    }
+
     /// Says why a change of the setup does not apply.
     pub fn refuse(&mut self, reason: String) {
         self.devices.error = Some(reason.clone());
@@ -336,7 +347,32 @@ fn open_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelCon
 
 #[cfg(test)]
 mod tests {
-    use super::is_other_number;
+    use super::*;
+    use ademan_runtime::session::{Session, SessionOptions};
+    use ademan_runtime::setup::Setup;
+
+    #[test]
+    fn a_change_of_the_setup_waits_until_the_glove_is_saved() {
+        let setup = Setup {
+            source: Some("typist:hello".parse().expect("a source")),
+            output: "none".into(),
+            ..Setup::default()
+        };
+        let setup = setup.load_files().expect("the shipped files");
+        let session = Session::start(setup, SessionOptions::default()).expect("a session");
+        let mut sensors = SensorControl::new(session.sensors());
+        let mut panels = PanelState::default();
+        let change = SetupChange::Output("none".to_owned());
+        panels.next_setup = Some(change.clone());
+        sensors.edit(|editor| editor.set_zero_count(4, 50.0));
+        assert_eq!(panels.take_setup(&sensors), None);
+        let message = panels.message.take().expect("a reason");
+        assert!(message.contains("not saved"), "{message}");
+        assert_eq!(panels.next_setup, None, "it is chosen again");
+        sensors.edit(|editor| editor.undo());
+        panels.next_setup = Some(change.clone());
+        assert_eq!(panels.take_setup(&sensors), Some(change));
+    }
 
     #[test]
     fn a_number_that_is_rounded_to_what_is_shown_has_not_changed() {

@@ -33,6 +33,7 @@ layouts-missing = { $file } is no longer there; it was removed from the list
 menu-devices = Devices
 devices-hint = Source, glove, person and outputs
 devices-words = After a choice everything is released, then the session goes on with it.
+devices-unsaved = The glove has changes that are not saved, which would be lost. Save or undo them in the panel “Sensors”, then choose again.
 devices-use = Use
 devices-source = Source
 devices-search = Search again

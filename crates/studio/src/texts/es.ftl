@@ -33,6 +33,7 @@ layouts-missing = { $file } ya no existe; se quitó de la lista
 menu-devices = Dispositivos
 devices-hint = Fuente, guante, persona y salidas
 devices-words = Después de elegir se suelta todo; luego la sesión sigue con lo elegido.
+devices-unsaved = El guante tiene cambios sin guardar, que se perderían. Guárdelos o deshágalos en el panel «Sensores» y elija otra vez.
 devices-use = Usar
 devices-source = Fuente
 devices-search = Buscar otra vez
