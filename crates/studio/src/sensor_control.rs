@@ -10,6 +10,7 @@ use super::glove_file::{GloveFile, SaveError};
 use super::guide::Guide;
 use super::sensors::{SensorTable, is_of_first_hand, other_side};
 use super::texts::text_with;
+use ademan_core::command::CommandOrigin;
 use ademan_core::estimate::Smoothing;
 use ademan_core::hand::JointAngles;
 use ademan_core::message::escape_path;
@@ -45,6 +46,8 @@ pub struct SensorControl {
     pictures: u32,
     /// The guided calibration.
     pub guide: Option<Guide>,
+    /// The session was not paused before the guided calibration, which ends the pause.
+    ends_pause: bool,
     /// The file that is replaced after a question.
     question: Option<PathBuf>,
     /// Confirmation of the last save.
@@ -76,6 +79,7 @@ impl SensorControl {
             lag: None,
             pictures: 0,
             guide: None,
+            ends_pause: false,
             question: None,
             notice: None,
             message: None,
@@ -272,6 +276,19 @@ impl SensorControl {
         self.guide = self.editor.as_ref().map(start);
     }
 
+    /// Notes who has paused the session before the guided calibration pauses it.
+    pub fn note_pause(&mut self, paused_by: Option<CommandOrigin>) {
+        self.ends_pause = paused_by.is_none();
+    }
+
+    /// Returns `true`, once, if the end of the guided calibration ends the pause: the session was not paused before, and no other side
+    /// has paused it since.
+    pub fn take_pause(&mut self, paused_by: Option<CommandOrigin>) -> bool {
+        // A view may not have the pause yet.
+        let is_own = paused_by.is_none_or(|origin| origin == CommandOrigin::Client);
+        std::mem::take(&mut self.ends_pause) && is_own
+    }
+
     /// Adopts the result of the guided calibration, as an edit that can be undone, and ends the calibration.
     pub fn adopt_result(&mut self) {
         let result = self.guide.as_ref().and_then(Guide::result);
@@ -281,5 +298,37 @@ impl SensorControl {
         let calibration = result.calibration.clone();
         self.guide = None;
         self.edit(|editor| editor.set_all(calibration));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ademan_runtime::session::{Session, SessionOptions};
+    use ademan_runtime::setup::Setup;
+
+    #[test]
+    fn a_calibration_ends_no_pause_but_its_own() {
+        use CommandOrigin::{Client, Layout, Signal};
+        let setup = Setup {
+            source: Some("typist:hello".parse().expect("a source")),
+            output: "none".into(),
+            ..Setup::default()
+        };
+        let setup = setup.load_files().expect("the shipped files");
+        let session = Session::start(setup, SessionOptions::default()).expect("a session");
+        let mut sensors = SensorControl::new(session.sensors());
+        for (before, at_end, is_ended) in [
+            (None, Some(Client), true),
+            (None, None, true),
+            (None, Some(Signal), false),
+            (Some(Client), Some(Client), false),
+            (Some(Layout), Some(Client), false),
+        ] {
+            sensors.note_pause(before);
+            let ended = sensors.take_pause(at_end);
+            assert_eq!(ended, is_ended, "{before:?}, {at_end:?}");
+            assert!(!sensors.take_pause(at_end), "once");
+        }
     }
 }

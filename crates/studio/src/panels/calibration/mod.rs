@@ -69,6 +69,7 @@ fn show_start(ui: &mut egui::Ui, colors: &SceneColors, context: &mut PanelContex
             let start = big_button(label).fill(selection.bg_fill);
             if ui.add_enabled(is_live, start).clicked() {
                 sensors.start_calibration(Guide::new);
+                sensors.note_pause(context.session.view.state.paused_by);
                 context.sent.push(Command::Pause);
             }
             let demo = ui.button(text("calibration-demo"));
@@ -109,10 +110,13 @@ fn quit(context: &mut PanelContext) {
     context.sensors.guide = None;
 }
 
-/// Ends the pause of a calibration with the source of the session.
+/// Ends the pause of a calibration with the source of the session. Another pause stays: the session of an output that was just chosen,
+/// or of an emergency stop, types nothing until a person resumes it.
 fn resume(context: &mut PanelContext) {
     let guide = context.sensors.guide.as_ref();
-    if guide.is_some_and(|guide| !guide.is_demonstration()) {
+    let is_live = guide.is_some_and(|guide| !guide.is_demonstration());
+    let paused_by = context.session.view.state.paused_by;
+    if is_live && context.sensors.take_pause(paused_by) {
         context.sent.push(Command::Resume);
     }
 }
