@@ -38,3 +38,34 @@ fn a_backspace_in_the_last_word_of_a_text_that_is_not_final_takes_its_tap_back()
     field.types(" ");
     assert_eq!(field.text, sentence + "wisdom ");
 }
+
+#[test]
+fn the_rest_of_a_corrected_word_that_is_deleted_into_is_left_alone() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("teh c");
+    assert_eq!(field.text, "the c");
+    for left in ["the ", "the", "th"] {
+        field.backspace();
+        assert_eq!(field.text, left);
+    }
+    assert!(field.corrector.is_inside_word());
+    // The taps that are left are a `t` and an `e`.
+    field.types("at ");
+    assert_eq!(field.text, "that ");
+    field.types("teh ");
+    assert_eq!(field.text, "that the ");
+}
+
+#[test]
+fn a_capital_that_was_set_does_not_end_the_correction_of_its_word() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("i c");
+    assert_eq!(field.text, "I c");
+    for left in ["I ", "I"] {
+        field.backspace();
+        assert_eq!(field.text, left);
+    }
+    assert!(field.corrector.knows_word());
+}

@@ -9,7 +9,7 @@
 //! | typing | character that ends a word, or a tap that most probably means one beside its key, and another text is likelier by the margin | corrected | the character, Backspaces, the new tail |
 //! | corrected | Backspace | restored | Backspaces, the tail that was typed; its words are learned |
 //! | a candidate was taken inside a word | Backspace | partial | Backspaces, the tail that was typed |
-//! | other | Backspace | typing, or partial inside a word behind a long text that is not final | Backspace |
+//! | other | Backspace | typing, or partial inside a word that was corrected or is behind a long text that is not final | Backspace |
 //! | typing | a swipe that began with the last letter | swiped | Backspace if its word starts otherwise, the word, a space |
 //! | swiped | Backspace | typing, or partial behind a word without a space | Backspaces for the word and its space |
 //! | any | pause, loss, stall, another key | partial, if inside a word | none; the person is learned, and nothing is pending any more |
@@ -397,6 +397,10 @@ impl<'m> Corrector<'m> {
                 self.drop_pending();
             } else {
                 self.decoder.untap();
+                // The taps of a corrected word do not spell what is left of it.
+                if !self.shares_keys() && !same_letters(&self.shown, self.decoder.typed()) {
+                    self.drop_pending();
+                }
             }
         } else {
             // Back in text that is final: what follows is the rest of a word.
