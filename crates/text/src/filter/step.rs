@@ -85,6 +85,8 @@ impl Step {
             // The new tail ends with the pressed character, which need not be typed twice.
             [pressed, Edit::Backspace, tail @ .., last] if last == pressed => (tail, true),
             [_, Edit::Backspace, tail @ ..] => (tail, false),
+            // Letters follow the pressed one, which comes before them.
+            [_, Edit::Type(_), ..] => (edits, false),
             _ => return false,
         };
         if !self.append(tail, keys, event.time) {
@@ -123,5 +125,36 @@ impl Step {
     pub(super) fn has_shortcut(&self) -> bool {
         let mut held = self.held.release_order();
         held.any(|key| key.is_modifier() && !key.is_shift())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ademan_core::layout::Layout;
+
+    fn key(name: &str) -> KeyCode {
+        name.parse().expect("the name of a key")
+    }
+
+    #[test]
+    fn letters_behind_the_pressed_one_are_typed_with_it() {
+        let mut shipped = Layout::shipped().expect("valid layouts").into_iter();
+        let found = shipped.find(|(name, _)| *name == "phone-pad");
+        let (_, layout) = found.expect("a layout");
+        let keys = TextKeys::new(&layout, false).expect("letters");
+        let [first, second] = ["M", "A"].map(key);
+        let none = PressedKeys::default();
+        let mut step = Step::new(&none, &none, 0);
+        let press = OutputEvent {
+            time: Timestamp(1_000),
+            kind: EventKind::KeyDown(first),
+        };
+        // `diplom` is read as `diploma`.
+        assert!(step.append_press(&['m', 'a'].map(Edit::Type), &keys, press));
+        let kinds: Vec<EventKind> = step.events.iter().map(|event| event.kind).collect();
+        let tap = |key| [EventKind::KeyDown(key), EventKind::KeyUp(key)];
+        assert_eq!(kinds, [tap(first), tap(second)].concat());
+        assert!(step.tapped.contains(first), "its release is left out");
     }
 }
