@@ -234,7 +234,8 @@ impl ErrorSums {
     }
 
     fn change(&self, seen: f32, prior: f32) -> f32 {
-        let expected = prior.exp();
+        // An error that is never believed has no probability, and divided by it no logarithm.
+        let expected = prior.exp().max(f32::MIN_POSITIVE);
         ((seen + expected * ERROR_TAPS) / (self.taps + ERROR_TAPS) / expected).ln()
     }
 

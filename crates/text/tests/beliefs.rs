@@ -2,6 +2,7 @@
 
 mod support;
 
+use ademan_text::correction::Restored;
 use ademan_text::{Decoder, Mode, Model, Options, Prior, Tap, TouchModel};
 use support::field::{Field, english};
 use support::simulated::keyboard;
@@ -56,4 +57,26 @@ fn a_tap_between_period_and_comma_ends_a_long_sentence_and_no_short_one() {
         read(sentence),
         "The cat sat of the wisdom of the world. Hello,"
     );
+}
+
+#[test]
+fn an_error_that_is_never_believed_is_not_free() {
+    let bytes = english();
+    let never = -1_000.0;
+    let options = Options {
+        omission: never,
+        insertion: never,
+        transposition: never,
+        missing_space: never,
+        ..Options::default()
+    };
+    let mut field = Field::with(&bytes, Mode::Auto, Restored::default(), options);
+    // Each of them is an error of one of these kinds.
+    for typed in ["teh ", "wisdm ", "wisdxom ", "worldof "] {
+        field.types(typed);
+        assert!(field.text.ends_with(typed), "{}", field.text);
+    }
+    let mut usual = Field::new(&bytes, Mode::Auto);
+    usual.types("teh ");
+    assert_eq!(usual.text, "the ");
 }
