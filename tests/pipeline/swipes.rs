@@ -59,6 +59,26 @@ fn a_space_behind_a_swiped_word_is_not_doubled() {
 }
 
 #[test]
+fn the_rest_of_a_word_behind_a_swiped_word_that_cannot_be_typed_is_not_corrected() {
+    let setup = Setup {
+        layout: "qwerty-swipe".into(),
+        text: Some(TextSetup {
+            mode: TextModeSetup::Auto,
+            language: "es".into(),
+            ..TextSetup::default()
+        }),
+        // A keyboard of the kernel has no `á` for `más`.
+        output: "uinput".into(),
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("the shipped layout");
+    let script = "press M; slide -123.5 19; slide 19 0; lift; tap Q; tap E; tap U; tap Space";
+    let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
+    let typed = play(&setup, hand.expect("a script"), |_, _, _| {});
+    assert_eq!(typed.text, "mqeu ");
+}
+
+#[test]
 fn only_the_first_key_is_pressed_without_swipes() {
     for (layout, mode) in [
         ("qwerty-swipe", Some(TextModeSetup::Literal)),

@@ -266,6 +266,36 @@ fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
 }
 
 #[test]
+fn the_rest_of_a_word_behind_a_candidate_that_cannot_be_typed_is_not_corrected() {
+    let setup = Setup {
+        text: Some(TextSetup {
+            mode: TextModeSetup::Auto,
+            language: "es".into(),
+            ..TextSetup::default()
+        }),
+        // A keyboard of the kernel has no `ó`.
+        output: "uinput".into(),
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("the shipped layout");
+    let mut is_taken = false;
+    let hand = typist(&setup, "cancionqeu qeu ", 0.0, 0);
+    let typed = play(&setup, hand, |presses, pipeline, events| {
+        if presses == 7 && !is_taken {
+            is_taken = true;
+            let state = pipeline.text_state().expect("a decoder");
+            let index = state.candidates.iter().position(|it| it == "canción");
+            let number = index.expect("it is one") as u8 + 1;
+            let command = Command::Candidate { number };
+            pipeline
+                .execute(&command, CommandOrigin::Client, events)
+                .unwrap();
+        }
+    });
+    assert_eq!(typed.text, "cancionqeu que ");
+}
+
+#[test]
 fn a_language_or_letters_that_are_missing_leave_keys_as_they_are() {
     let load = |language: &str, layout: &str| {
         let text = TextSetup {

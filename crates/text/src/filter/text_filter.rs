@@ -149,7 +149,7 @@ impl TextFilter {
             Err(burst::TooMany) => false,
         };
         if !self.is_spaced {
-            self.corrector.reset();
+            self.corrector.leave();
         }
     }
 
@@ -219,9 +219,10 @@ impl TextFilter {
         self.is_changed = true;
         self.last_key = time;
         let index = usize::from(number).saturating_sub(1);
+        let is_inside = self.corrector.is_inside_word();
         let edits: ArrayVec<Edit, MAX_EDITS> = match burst::copy(self.corrector.accept(index)) {
             Ok(edits) => edits,
-            Err(burst::TooMany) => return self.corrector.reset(),
+            Err(burst::TooMany) => return self.corrector.set_inside_word(is_inside),
         };
         if edits.is_empty() {
             // It brings no space, and the space of a previous candidate stays.
@@ -231,7 +232,7 @@ impl TextFilter {
         let is_appended = step.append(&edits, &self.keys, time);
         self.is_spaced = is_appended && has_space;
         if !is_appended {
-            self.corrector.reset();
+            self.corrector.set_inside_word(is_inside);
         }
     }
 
