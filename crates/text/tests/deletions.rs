@@ -1,4 +1,4 @@
-//! Backspaces behind long texts.
+//! Backspaces and candidates behind long texts.
 
 mod support;
 
@@ -68,4 +68,20 @@ fn a_capital_that_was_set_does_not_end_the_correction_of_its_word() {
         assert_eq!(field.text, left);
     }
     assert!(field.corrector.knows_word());
+}
+
+#[test]
+fn the_rest_of_a_word_behind_a_candidate_that_is_out_of_reach_is_left_alone() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Suggest);
+    let typed = "teh wisdom of the world wisdom of the world hel";
+    field.types(typed);
+    let candidates = field.corrector.candidates();
+    assert!(candidates[0].text.starts_with("the "), "{candidates:?}");
+    assert!(field.corrector.accept(0).is_empty(), "more than 84 edits");
+    field.corrector.set_mode(Mode::Auto);
+    field.types("teh ");
+    assert_eq!(field.text, format!("{typed}teh "));
+    field.types("teh ");
+    assert_eq!(field.text, format!("{typed}teh the "));
 }

@@ -458,8 +458,11 @@ impl<'m> Corrector<'m> {
         if !self.target.ends_with(ends_word) {
             self.target.push(' ');
         }
+        let is_inside = self.is_inside_word();
         if let Some(Difference { prefix, removed }) = difference(&self.shown, &self.target) {
             self.replace_tail(prefix, removed);
+            // Out of reach: what was typed stays.
+            self.is_partial = is_inside && self.shown.is_empty();
         }
         self.decoder.commit_behind(Some(&self.shown));
         self.shown.clear();
