@@ -63,7 +63,8 @@ impl Samples {
         let count = ((length / SAMPLE_SPACING) as usize).clamp(MIN_SAMPLES, MAX_SAMPLES);
         self.spacing = length / (count - 1) as f32;
         let mut passed = 0.0;
-        for (pair, step) in steps() {
+        // Two equal points have no point between them.
+        for (pair, step) in steps().filter(|&(_, step)| step > 0.0) {
             let next = |samples: &Self| samples.points.len() as f32 * samples.spacing;
             while self.points.len() < count - 1 && next(self) <= passed + step {
                 let t = (next(self) - passed) / step;
@@ -115,6 +116,8 @@ mod tests {
         }
         samples.set(&[[1.0, 1.0]]);
         assert!(samples.points.is_empty());
+        samples.set(&[[0.0, 0.0], [0.0, 0.0], [70.0, 0.0]]);
+        assert_eq!(samples.points[0], [0.0, 0.0]);
     }
 
     #[test]
