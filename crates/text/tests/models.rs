@@ -138,6 +138,31 @@ fn weights_that_are_no_numbers_are_refused_with_their_line() {
 }
 
 #[test]
+fn words_of_no_weight_are_equally_likely() {
+    let mut builder = Builder::new();
+    builder.words("cat 0\nqed 0\n").expect("a list");
+    let bytes = builder.build().expect("a model");
+    let model = Model::from_bytes(&bytes).expect("a model");
+    for word in ["cat", "qed"] {
+        let found = model.find(word).expect("a word");
+        assert!(
+            (found.log_probability - 0.5_f32.ln()).abs() < 0.06,
+            "{word}"
+        );
+    }
+    // Beside others they are words all the same, and their letters no certain ones.
+    builder.words("cot 5\n").expect("a list");
+    let mixed_bytes = builder.build().expect("a model");
+    let mixed = Model::from_bytes(&mixed_bytes).expect("a model");
+    assert!(mixed.find("qed").is_some());
+    let symbol = |letter: char| mixed.alphabet.symbol(letter).expect("a letter");
+    let start = ademan_text::model::spelling::START;
+    let (_, behind) = mixed.spelling.letter(start, symbol('q'));
+    let (likely, _) = mixed.spelling.letter(behind, symbol('e'));
+    assert!(likely < -0.5, "{likely}");
+}
+
+#[test]
 fn the_order_of_lines_does_not_matter() {
     let reversed = |text: &str| text.lines().rev().collect::<Vec<_>>().join("\n");
     let mut builder = Builder::new();

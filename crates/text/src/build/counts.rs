@@ -135,6 +135,9 @@ impl Counts {
         }
         let preceding = |word: &String| preceding.get(word.as_str()).copied().unwrap_or(0);
         let mass = |spelled: &Spelled, count: u32| f64::from(count) + spelled.weight;
+        let number = known().count() as f64;
+        // Words of no weight are equally likely.
+        let share = |mass: f64, sum: f64| if sum > 0.0 { mass / sum } else { 1.0 / number };
         let total: f64 = known()
             .map(|(_, spelled)| mass(spelled, spelled.count))
             .sum();
@@ -151,8 +154,8 @@ impl Counts {
                     (false, true) => Case::Title,
                     (false, false) => Case::Upper,
                 };
-                let probability = 0.5 * mass(spelled, spelled.count) / total
-                    + 0.5 * mass(spelled, preceding(word)) / varied;
+                let probability = 0.5 * share(mass(spelled, spelled.count), total)
+                    + 0.5 * share(mass(spelled, preceding(word)), varied);
                 (word.clone(), Word { probability, case })
             })
             .collect()

@@ -114,6 +114,10 @@ fn probability(contexts: &Contexts, letters: &[Symbol], symbol: Symbol, symbols:
     };
     let types = context.next.len() as f64;
     let weight = types / (types + f64::from(context.words));
+    // The words of a list may have a weight of 0.
+    if context.total <= 0.0 {
+        return shorter;
+    }
     let seen = context.next.get(&symbol).copied().unwrap_or(0.0) / context.total;
     (1.0 - weight) * seen + weight * shorter
 }
