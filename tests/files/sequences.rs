@@ -130,3 +130,12 @@ fn a_drawing_shows_all_that_a_key_types_and_no_character_acts_on_the_terminal() 
     assert_eq!(drawing.matches("202e").count(), 2, "{drawing}");
     assert!(!drawing.contains(['\u{202e}', '…']), "{drawing}");
 }
+
+#[test]
+fn a_wait_is_described_as_it_is_written() {
+    for wait in ["1001", "4999", "2.5"] {
+        let rows = parse(&layout(&format!("Wait({wait}), Tap(\"A\")"))).sequence_rows();
+        let expected = format!("waits {wait} ms, taps A");
+        assert_eq!(rows, [("copy".to_owned(), expected)]);
+    }
+}

@@ -308,7 +308,9 @@ impl Words<'_> {
                     described.push(types(text.map_or("?", String::as_str)));
                 }
                 SequenceStep::Wait(time) => {
-                    described.push(format!("waits {} ms", time.as_secs_f64() * 1e3));
+                    // Durations of a file are whole microseconds; the product of seconds is not exact.
+                    let milliseconds = time.as_micros() as f64 / 1e3;
+                    described.push(format!("waits {milliseconds} ms"));
                 }
             }
         }
