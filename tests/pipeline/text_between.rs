@@ -112,6 +112,39 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_profile() {
 }
 
 #[test]
+fn the_rest_of_a_word_is_not_corrected_behind_a_profile_without_a_decoder() {
+    let setup = Setup {
+        profiles: vec![ProfileSetup {
+            name: "other".into(),
+            text: None,
+            layout: "spanish-flat".into(),
+        }],
+        ..load(TextModeSetup::Auto).setup
+    };
+    let setup = setup.load_files().expect("the shipped layouts");
+    let typed = |between: &str| {
+        let last = "wait 1500; tap T; tap E; tap H; tap Space";
+        let script = format!("tap A; tap Space; wait 1500; {between}; {last}; {WORD}");
+        let other = 2..2 + between.matches("tap").count();
+        let hand = setup.scripted(&script, &Hc11Format::default(), 0.0, 0);
+        let mut profile = 0;
+        let played = play(
+            &setup,
+            hand.expect("a script"),
+            |presses, pipeline, events| {
+                let wanted = usize::from(other.contains(&presses));
+                if std::mem::replace(&mut profile, wanted) != wanted {
+                    pipeline.switch_profile(wanted, events);
+                }
+            },
+        );
+        played.text
+    };
+    assert_eq!(typed("tap C; tap O; tap N"), "a conteh the ");
+    assert_eq!(typed("tap C; tap Space"), "a c the the ");
+}
+
+#[test]
 fn a_layout_that_is_replaced_hands_over_half_a_word_and_what_was_learned() {
     let setup = load(TextModeSetup::Auto);
     let replace = |pipeline: &mut CheckedPipeline, events: &mut Events| {

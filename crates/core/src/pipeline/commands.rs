@@ -3,7 +3,7 @@
 use parry3d::math::Vec3;
 
 use super::board_move::BoardMove;
-use super::{CommandError, Pipeline, PressFilter, SourceRole};
+use super::{CommandError, Pipeline, SourceRole};
 use crate::command::{Command, CommandOrigin};
 use crate::device::Events;
 
@@ -121,11 +121,12 @@ impl Pipeline {
             return;
         }
         self.release_all(self.time, events);
-        let before = self.profiles[self.active_profile].layout.filter();
-        let is_inside_word = before.and_then(PressFilter::is_inside_word);
+        if let Some(before) = self.profiles[self.active_profile].layout.filter() {
+            self.is_inside_word = before.is_inside_word();
+        }
         self.active_profile = profile;
         let filter = self.profiles[profile].layout.filter_mut();
-        if let Some((filter, is_inside)) = filter.zip(is_inside_word) {
+        if let Some((filter, is_inside)) = filter.zip(self.is_inside_word) {
             filter.set_inside_word(is_inside);
         }
         // Its devices and trackers still have the state of the time when it was last active.

@@ -81,6 +81,8 @@ pub struct Pipeline {
     /// The profiles, at least one.
     profiles: Vec<Profile>,
     active_profile: usize,
+    /// `true` if the text before the cursor may end inside a word, as far as the profiles before the active one know.
+    is_inside_word: Option<bool>,
     settings: PipelineSettings,
     filters: PressFilters,
     gate: OutputGate,
@@ -117,6 +119,7 @@ impl Pipeline {
             hands: vec![HandPipeline::new(estimator, arm)],
             profiles: vec![Profile { name, layout }],
             active_profile: 0,
+            is_inside_word: None,
             settings,
             filters: PressFilters::default(),
             gate: OutputGate::new(settings.permissions, settings.allow_system_keys),

@@ -211,7 +211,8 @@ fn push(event: OutputEvent, later: &[OutputEvent], held: &PressedKeys, events: &
     }
 }
 
-fn is_press(event: &OutputEvent) -> bool {
+/// Returns `true` for a press of a key or a button, and for a character.
+pub(super) fn is_press(event: &OutputEvent) -> bool {
     matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_))
 }
 

@@ -3,7 +3,7 @@
 use super::Pipeline;
 use super::layout_instance::PressRules;
 use super::permissions::EventClass;
-use super::press_filter::FilteredStep;
+use super::press_filter::{FilteredStep, is_press};
 use crate::command::{Command, CommandOrigin};
 use crate::device::{EventKind, Events};
 use crate::hand::Side;
@@ -38,6 +38,7 @@ impl Pipeline {
             presses: &output.presses,
             may_type: self.gate.allows_keys(index),
         };
+        let has_decoder = filter.is_some();
         let held = || arbiter.pressed_keys();
         let added = self.filters.apply(filter, step, held, first, events) + replacing;
         let system_keys = self.gate.suppressed().system_keys;
@@ -54,6 +55,14 @@ impl Pipeline {
             }
         };
         let within_limit = self.gate.filter(hand_of, first, added, events);
+        let mut pressed = events[first..].iter().rev();
+        if let Some(last) = pressed
+            .find(|event| is_press(event))
+            .filter(|_| !has_decoder)
+        {
+            // A letter, or a key or button that may have moved the cursor.
+            self.is_inside_word = Some(!types_blank(last.kind));
+        }
         layout.suppress_keys(self.gate.withheld_keys());
         if self.gate.suppressed().system_keys > system_keys {
             // The keys that follow would act without the suppressed one.
@@ -100,4 +109,14 @@ impl Pipeline {
             self.resume(CommandOrigin::Layout);
         }
     }
+}
+
+/// Returns `true` for a press that types a space, a tab or a line break, whatever the keymap of the receiver is.
+fn types_blank(kind: EventKind) -> bool {
+    let typed = match kind {
+        EventKind::KeyDown(key) => key.us_character(false),
+        EventKind::Character(character) => Some(character),
+        _ => None,
+    };
+    typed.is_some_and(char::is_whitespace)
 }
