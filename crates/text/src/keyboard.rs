@@ -21,6 +21,17 @@ pub struct Key {
     pub hand: u8,
 }
 
+/// The coordinate to the wearer of characters that no finger taps in the base layer, in millimetres: beyond every board.
+pub(crate) const ELSEWHERE: f32 = 20_000.0;
+
+impl Key {
+    /// Returns `true` if its taps tell where the finger was. A character that another layer types is given to the center of a key
+    /// beyond all boards.
+    pub(crate) fn has_place(&self) -> bool {
+        self.center[1] < ELSEWHERE
+    }
+}
+
 /// A press of a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tap {

@@ -151,6 +151,9 @@ impl Decoder<'_> {
                 continue;
             };
             let key = self.keyboard.keys()[index];
+            if !key.has_place() {
+                continue;
+            }
             let shift: Millimetres = drift[usize::from(key.hand.min(1))];
             let residual: Millimetres =
                 std::array::from_fn(|axis| tap.position[axis] - key.center[axis] - shift[axis]);
@@ -184,5 +187,52 @@ impl Decoder<'_> {
 fn learn_words(rates: &mut WordRates, model: &Model, text: &str) {
     for word in text.split(ends_word).filter(|word| !word.is_empty()) {
         rates.learn(model.find(word).is_none());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::Builder;
+    use crate::keyboard::{ELSEWHERE, Key, Keyboard, Tap};
+    use crate::{Options, Prior, TouchModel};
+
+    #[test]
+    fn a_character_of_another_layer_tells_nothing_about_the_hand() {
+        let mut builder = Builder::new();
+        builder.words("ñu").expect("a list");
+        let bytes = builder.build().expect("a model");
+        let places = [
+            ('ñ', [ELSEWHERE; 2], 1.0),
+            ('u', [19.0, 0.0], 17.0),
+            (' ', [38.0, 0.0], 17.0),
+        ];
+        let keys = places.map(|(character, center, size)| Key {
+            character,
+            center,
+            size: [size; 2],
+            hand: 0,
+        });
+        for drift in [0.0, 8.0] {
+            let touch = TouchModel {
+                drift: [[drift, 0.0]; 2],
+                ..TouchModel::new(Prior::default())
+            };
+            let model = Model::from_bytes(&bytes).expect("a model");
+            let mut decoder = Decoder::new(model, Keyboard::new(keys), touch, Options::default());
+            for key in keys {
+                let [x, y] = key.center;
+                let shift = if key.has_place() { drift } else { 0.0 };
+                decoder.tap(Tap {
+                    position: [x + shift, y],
+                    typed: Some(key.character),
+                });
+            }
+            assert_eq!(decoder.best(), "Ñu ");
+            decoder.commit();
+            // The taps of `u`; a space is hit anywhere.
+            assert_eq!(decoder.touch().person.taps, 1.0);
+            assert_eq!(decoder.touch().drift[0], [drift, 0.0]);
+        }
     }
 }

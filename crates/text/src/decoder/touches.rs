@@ -20,6 +20,8 @@ struct KeyTouch {
     /// The largest residual that counts as drift, in millimetres along each axis.
     reach: Millimetres,
     wide: bool,
+    /// `false` if a tap tells nothing about the hand.
+    has_place: bool,
     size: Millimetres,
 }
 
@@ -146,6 +148,7 @@ impl Touches {
                 gain: [0.0; 2],
                 reach: [0.0; 2],
                 wide: key.size[0] > 2.0 * key.size[1],
+                has_place: key.has_place(),
                 size: key.size,
             });
         }
@@ -194,7 +197,7 @@ impl Touches {
             let variance = self.carried.variance[key.hand];
             for axis in 0..2 {
                 let spread = variance + key.spread.covariance[axis];
-                key.gain[axis] = if key.wide && axis == 0 {
+                key.gain[axis] = if !key.has_place || key.wide && axis == 0 {
                     0.0
                 } else {
                     variance / spread
@@ -223,7 +226,7 @@ impl Touches {
             .map(|key| self.of_key(key, drift))
             .fold(f32::NEG_INFINITY, f32::max);
         let meant = self.keys[likeliest];
-        if !meant.wide {
+        if meant.has_place && !meant.wide {
             let shift = drift[meant.hand];
             self.carried.precision.add(std::array::from_fn(|axis| {
                 tap[axis] - meant.spread.mean[axis] - shift[axis]
@@ -245,6 +248,9 @@ impl Touches {
     /// Reduces the uncertainty of the drift of a hand after the tap of this step.
     pub fn settle(&mut self, nearest: usize) {
         let key = self.keys[nearest];
+        if !key.has_place {
+            return;
+        }
         let variance = &mut self.carried.variance[key.hand];
         let noise = (key.spread.covariance[0] * key.spread.covariance[1]).sqrt();
         *variance *= noise / (*variance + noise);

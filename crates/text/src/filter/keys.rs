@@ -1,6 +1,6 @@
 //! The keys of a layout that type characters, as the decoder sees them.
 
-use crate::keyboard::{MAX_KEYS, Millimetres};
+use crate::keyboard::{ELSEWHERE, MAX_KEYS, Millimetres};
 use crate::{Key, Keyboard};
 use parry3d::math::{Pose, Vec3};
 
@@ -18,8 +18,6 @@ const MIN_LETTERS: usize = 10;
 /// The distance between boards in the plane of the decoder, in millimetres: too far for a tap to miss its board.
 const BOARD_GAP: f32 = 200.0;
 
-/// The coordinate in the plane of the decoder of keys that have no position on a board, in millimetres.
-const ELSEWHERE: f32 = 20_000.0;
 /// The distance in the plane of the decoder from the position of a character without Shift to the position of the character with it,
 /// such as from `/` to `?`, in millimetres.
 const SHIFTED: f32 = 40_000.0;

@@ -153,7 +153,7 @@ mod tests {
         // `diplom` is read as `diploma`.
         assert!(step.append_press(&['m', 'a'].map(Edit::Type), &keys, press));
         let kinds: Vec<EventKind> = step.events.iter().map(|event| event.kind).collect();
-        let tap = |key| [EventKind::KeyDown(key), EventKind::KeyUp(key)];
+        let tap = |code| [EventKind::KeyDown(code), EventKind::KeyUp(code)];
         assert_eq!(kinds, [tap(first), tap(second)].concat());
         assert!(step.tapped.contains(first), "its release is left out");
     }
