@@ -34,10 +34,12 @@ impl<'m> Decoder<'m> {
         let letters = || keys.iter().filter(|key| is_letter(key.character));
         let narrowest = letters().map(|key| key.size[0].min(key.size[1]));
         let width = narrowest.fold(f32::INFINITY, f32::min);
-        // A finger passes over a key where the person taps it.
+        // A finger passes over a key where the person taps it, as far as the hand has drifted.
         let center = |letter: char| {
             let index = self.keyboard.index(letter)?;
-            Some(self.touch.spreads(&self.keyboard).nth(index)?.mean)
+            let mean = self.touch.spreads(&self.keyboard).nth(index)?.mean;
+            let drift = self.touch.drift[usize::from(keys[index].hand.min(1))];
+            Some([mean[0] + drift[0], mean[1] + drift[1]])
         };
         let context = (&self.model, self.options.language, self.row);
         let found = swipes.find(context, path, (center, width));
@@ -82,5 +84,50 @@ impl<'m> Decoder<'m> {
         self.row = before.row;
         self.starts_sentence = before.starts_sentence;
         self.restart(Start::Anywhere);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::Builder;
+    use crate::keyboard::{Key, Keyboard};
+    use crate::{Model, Options, Prior, TouchModel};
+
+    #[test]
+    fn a_path_is_expected_where_the_hand_has_drifted_to() {
+        let mut builder = Builder::new();
+        // Each key of the second word is the right neighbor of a key of the first one.
+        builder.words("cat\nvsy").expect("a list");
+        let bytes = builder.build().expect("a model");
+        let places = [
+            ('c', [0.0, 38.0]),
+            ('v', [19.0, 38.0]),
+            ('a', [-38.0, 19.0]),
+            ('s', [-19.0, 19.0]),
+            ('t', [19.0, 0.0]),
+            ('y', [38.0, 0.0]),
+        ];
+        let keys = places.map(|(character, center)| Key {
+            character,
+            center,
+            size: [17.0; 2],
+            hand: 0,
+        });
+        for (drift, word) in [(0.0, "vsy"), (19.0, "cat")] {
+            let touch = TouchModel {
+                drift: [[drift, 0.0]; 2],
+                ..TouchModel::new(Prior::default())
+            };
+            let options = Options {
+                capitals: false,
+                ..Options::default()
+            };
+            let model = Model::from_bytes(&bytes).expect("a model");
+            let decoder = Decoder::new(model, Keyboard::new(keys), touch, options);
+            let mut decoder = decoder.with_swipes();
+            let found = decoder.swipe(&[[19.0, 38.0], [-19.0, 19.0], [38.0, 0.0]], false);
+            assert_eq!(found[0].text, word);
+        }
     }
 }
