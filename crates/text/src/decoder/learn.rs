@@ -60,7 +60,11 @@ impl Decoder<'_> {
         match (token.place, last) {
             (Place::Gap, Some(mark)) if ends_sentence(mark) => self.starts_sentence = true,
             (Place::Word(ROOT), _) => {
-                let starts = token.row != NO_ROW && token.row == self.model.row(ROOT);
+                let starts = match self.model.row(ROOT) {
+                    // A model without pairs of words does not know what starts a sentence.
+                    NO_ROW => self.is_behind_sentence(best.end),
+                    row => token.row == row,
+                };
                 self.starts_sentence = self.starts_sentence && last.is_none() || starts;
             }
             _ => self.starts_sentence = false,
@@ -74,6 +78,18 @@ impl Decoder<'_> {
             Place::Gap => Start::Behind,
             _ => Start::Anywhere,
         });
+    }
+
+    /// Returns `true` if the characters up to an end finish a sentence, whatever stands between it and the next word.
+    fn is_behind_sentence(&self, end: u32) -> bool {
+        let entries = std::iter::successors(self.history.get(end), |entry| {
+            self.history.get(entry.previous)
+        });
+        let is_between =
+            |character: char| matches!(character, ' ' | '"' | '\'' | '(' | ')' | '¿' | '¡');
+        let mut characters = entries.map(|entry| entry.character);
+        let last = characters.find(|&character| !is_between(character));
+        last.is_some_and(ends_sentence)
     }
 
     /// Takes what was typed as meant, and starts afresh behind it.
@@ -233,6 +249,35 @@ mod tests {
             // The taps of `u`; a space is hit anywhere.
             assert_eq!(decoder.touch().person.taps, 1.0);
             assert_eq!(decoder.touch().drift[0], [drift, 0.0]);
+        }
+    }
+
+    #[test]
+    fn a_sentence_starts_behind_a_period_in_a_model_without_pairs_of_words() {
+        let mut builder = Builder::new();
+        builder.words("cat").expect("a list");
+        let bytes = builder.build().expect("a model");
+        let model = Model::from_bytes(&bytes).expect("a model");
+        let keys = "cat .".chars().zip(0_u8..).map(|(character, index)| Key {
+            character,
+            center: [f32::from(index) * 19.0, 0.0],
+            size: [17.0; 2],
+            hand: 0,
+        });
+        let keys: Vec<Key> = keys.collect();
+        let keyboard = Keyboard::new(keys.iter().copied());
+        let touch = TouchModel::new(Prior::default());
+        let mut decoder = Decoder::new(model, keyboard, touch, Options::default());
+        for (text, shown) in [("cat. ", "Cat. "), ("cat ", "Cat "), ("cat ", "cat ")] {
+            for character in text.chars() {
+                let key = keys.iter().find(|key| key.character == character);
+                decoder.tap(Tap {
+                    position: key.expect("a key").center,
+                    typed: Some(character),
+                });
+            }
+            assert_eq!(decoder.best(), shown);
+            decoder.commit();
         }
     }
 }
