@@ -80,3 +80,17 @@ fn an_error_that_is_never_believed_is_not_free() {
     usual.types("teh ");
     assert_eq!(usual.text, "the ");
 }
+
+#[test]
+fn the_rest_of_a_word_is_no_unknown_word() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    for _ in 0..15 {
+        // An arrow, for example.
+        field.corrector.leave();
+        field.types("nif ");
+    }
+    field.text.clear();
+    field.types("helo ");
+    assert_eq!(field.text, "hello ");
+}

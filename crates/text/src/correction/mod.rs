@@ -288,8 +288,13 @@ impl<'m> Corrector<'m> {
 
     fn end_word(&mut self) {
         if std::mem::take(&mut self.is_partial) {
-            self.shown.clear();
-            return self.decoder.commit_typed();
+            let last = self.shown.char_indices().next_back();
+            let end = last.map_or(0, |(start, _)| start);
+            // The rest of a word is no word that the lexicon lacks.
+            let is_word = self.decoder.model().find(&self.shown[..end]).is_some();
+            let start = if is_word { 0 } else { end };
+            self.decoder.commit_behind(Some(&self.shown[start..]));
+            return self.shown.clear();
         }
         let is_clear = self.mode != Mode::Auto || self.correct();
         let taps = self.decoder.taps();
