@@ -314,6 +314,7 @@ impl LayoutEditor {
         })?;
         self.file.note_saved(path, &self.text);
         self.update_recovery();
+        self.move_recovery();
         Ok(())
     }
 

@@ -350,6 +350,22 @@ fn unsaved_work_of_each_editor_of_a_file_is_offered_once_it_has_ended() {
 }
 
 #[test]
+fn unsaved_work_is_offered_under_the_name_of_the_last_save() {
+    let (folder, path) = file();
+    let recovery = folder.path().join("editor");
+    let copy = folder.path().join("b.ron");
+    let mut editor = open(&path);
+    editor.start_recovery(&recovery).unwrap();
+    move_key(&mut editor, 1, 7.0);
+    editor.save_as(&copy, false).unwrap();
+    move_key(&mut editor, 0, 5.0);
+    let text = editor.text().to_owned();
+    drop(editor);
+    assert_eq!(visit(&copy, &recovery, |_| {}), Some(text));
+    assert_eq!(visit(&path, &recovery, |_| {}), None);
+}
+
+#[test]
 fn a_text_without_a_file_is_unsaved() {
     let (folder, path) = file();
     let recovery = folder.path().join("editor");

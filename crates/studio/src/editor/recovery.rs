@@ -30,6 +30,9 @@ pub struct UnsavedWork {
 /// Files with unsaved work. Each run has a file of its own.
 #[derive(Debug)]
 pub(super) struct Recovery {
+    folder: PathBuf,
+    /// The part of the names of its files that stands for the layout.
+    stem: String,
     /// Locks of the file of this run and of the files in `found`.
     _locks: Vec<LockedFile>,
     /// Another editor has the layout open.
@@ -40,6 +43,8 @@ pub(super) struct Recovery {
     /// The other end, to drop a job that is out of date.
     queued: Receiver<Job>,
     error: Arc<Mutex<Option<String>>>,
+    /// Reason why the work is kept under the name that the layout had before.
+    move_error: Option<String>,
     writer: Option<JoinHandle<()>>,
 }
 
@@ -130,8 +135,10 @@ impl LayoutEditor {
 
     /// Returns the reason why unsaved work is not kept at present.
     pub fn recovery_error(&self) -> Option<String> {
-        let error = &self.recovery.as_ref()?.error;
-        error.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        let recovery = self.recovery.as_ref()?;
+        let error = recovery.error.lock();
+        let error = error.unwrap_or_else(PoisonError::into_inner).clone();
+        error.or_else(|| recovery.move_error.clone())
     }
 
     /// Continues with the found work. Undo restores the text before.
@@ -166,6 +173,26 @@ impl LayoutEditor {
     /// Keeps the present text, or removes the recovery file if it is saved.
     pub(super) fn update_recovery(&mut self) {
         self.keep_work(Vec::new());
+    }
+
+    /// Keeps unsaved work under the present name from now on, where the next run looks for it.
+    pub(super) fn move_recovery(&mut self) {
+        let name = self.file.name();
+        let Some(recovery) = &mut self.recovery else {
+            return;
+        };
+        if recovery.stem == stem(name) {
+            return;
+        }
+        match Recovery::start(&recovery.folder, name, &self.text) {
+            Ok(moved) => *recovery = moved,
+            Err(failure) => {
+                recovery.move_error = Some(format!(
+                    "unsaved work is kept under the name before: {failure}; save the layout soon: {}",
+                    escape_path(&recovery.folder)
+                ));
+            }
+        }
     }
 
     /// Keeps the text as it would be with edits that are not finished. Those that are refused are left out.
@@ -208,7 +235,8 @@ impl Recovery {
             fs::create_dir_all(parent)?;
         }
         files::create_private_folder(folder)?;
-        let slots = Slots::lock(folder, &stem(name), text)?;
+        let stem = stem(name);
+        let slots = Slots::lock(folder, &stem, text)?;
         let path = slots.own.unwrap_or_default();
         let (jobs, queued) = bounded(1);
         let error = Arc::default();
@@ -217,12 +245,15 @@ impl Recovery {
             move || run(&queued, &path, &error)
         })?;
         Ok(Self {
+            folder: folder.to_owned(),
+            stem,
             _locks: slots.locks,
             is_open_elsewhere: slots.is_open_elsewhere,
             found: slots.found,
             jobs: Some(jobs),
             queued,
             error,
+            move_error: None,
             writer: Some(writer),
         })
     }
