@@ -142,11 +142,6 @@ impl EditorPanel {
         Ok(Self::of(LayoutEditor::open(name, fit)?, work))
     }
 
-    /// Edits a new layout without controls.
-    pub(super) fn empty(fit: Fit, work: Option<&Path>) -> Self {
-        Self::of(LayoutEditor::empty(fit), work)
-    }
-
     fn of(mut editor: LayoutEditor, work: Option<&Path>) -> Self {
         let recovery = work.map(|folder| editor.start_recovery(folder));
         let mut panel = Self::new(editor);

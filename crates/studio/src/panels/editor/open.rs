@@ -36,8 +36,8 @@ impl EditorPanel {
         if !self.commit_drafts() {
             return;
         }
-        match Self::open(name, self.editor.fit(), self.work.as_deref()) {
-            Ok(opened) => *self = opened.with_choices_of(self),
+        match LayoutEditor::open(name, self.editor.fit()) {
+            Ok(editor) => self.replace_editor(editor),
             Err(error) => self.message = Some(Err(error.to_string())),
         }
     }
@@ -45,12 +45,15 @@ impl EditorPanel {
     /// Opens a new layout without controls in the same way.
     fn open_empty(&mut self) {
         if self.commit_drafts() {
-            let fit = self.editor.fit();
-            // Ends the recovery of this layout, whose lock may be the lock of the new one.
-            self.editor = LayoutEditor::empty(fit);
-            let opened = Self::empty(fit, self.work.as_deref());
-            *self = opened.with_choices_of(self);
+            self.replace_editor(LayoutEditor::empty(self.editor.fit()));
         }
+    }
+
+    fn replace_editor(&mut self, editor: LayoutEditor) {
+        // Ends the recovery of this layout, whose lock may be the lock of the new one.
+        self.editor = LayoutEditor::empty(editor.fit());
+        let opened = Self::of(editor, self.work.as_deref());
+        *self = opened.with_choices_of(self);
     }
 
     /// Writes a picture of lines beside the file of the layout.
@@ -188,16 +191,39 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
+    use super::super::tests::TWO_KEYS;
     use super::*;
+    use crate::editor::{Edit, NewPart};
     use ademan_core::layout::Fit;
 
     #[test]
     fn an_empty_layout_that_replaces_another_one_is_not_open_elsewhere() {
         let folder = tempfile::tempdir().expect("a folder");
         let work = folder.path().join("editor");
-        let mut panel = EditorPanel::empty(Fit::default(), Some(&work));
+        let empty = LayoutEditor::empty(Fit::default());
+        let mut panel = EditorPanel::of(empty, Some(&work));
         assert_eq!(panel.message, None);
         panel.open_empty();
         assert_eq!(panel.message, None);
+    }
+
+    #[test]
+    fn a_layout_that_is_opened_again_offers_its_unsaved_work() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("mine.ron");
+        fs::write(&path, TWO_KEYS).expect("a file");
+        let name = path.to_str().expect("a readable path");
+        let work = folder.path().join("editor");
+        let opened = EditorPanel::open(name, Fit::default(), Some(&work));
+        let mut panel = opened.expect("a layout");
+        panel.apply(&Edit::Add(NewPart::Layer));
+        let edited = panel.editor.text().to_owned();
+        panel.open_other(name);
+        assert_eq!(panel.message, None);
+        assert_eq!(panel.editor.text(), TWO_KEYS);
+        let found = panel.editor.found_work().map(|found| &found.text);
+        assert_eq!(found, Some(&edited));
     }
 }
