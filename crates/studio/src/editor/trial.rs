@@ -14,6 +14,8 @@ const PERIOD: Duration = Duration::from_millis(300);
 pub struct EditorTrial {
     /// Name of the layout in the session.
     file: String,
+    /// The text that the session returns to, if its layout is another one than the editor's.
+    other: Option<String>,
     is_on: bool,
     /// The text that the session has, or has refused.
     tried: String,
@@ -23,10 +25,12 @@ pub struct EditorTrial {
 }
 
 impl EditorTrial {
-    /// Creates the trial in place of the layout that the session has, which may differ from the editor's.
-    pub fn new(used: &Layout, is_on: bool) -> Self {
+    /// Creates the trial in place of the layout that the session has, which may be another one than the editor's.
+    pub fn new(used: &Layout, editor: &LayoutEditor, is_on: bool) -> Self {
+        let is_own = used.file == editor.name() || used.text == editor.saved_text();
         Self {
             file: used.file.clone(),
+            other: (!is_own).then(|| used.text.clone()),
             is_on,
             tried: used.text.clone(),
             outcome: None,
@@ -39,7 +43,7 @@ impl EditorTrial {
         self.is_on
     }
 
-    /// Lets the session follow the edits, or returns it to the saved text.
+    /// Lets the session follow the edits, or returns it to the saved text or to the other layout that it had.
     pub fn set_on(&mut self, is_on: bool) {
         self.is_on = is_on;
     }
@@ -59,25 +63,68 @@ impl EditorTrial {
             None => None,
         };
         self.outcome = None;
-        let text = if !self.is_on {
-            editor.saved_text()
-        } else if editor.is_valid() {
-            editor.text()
-        } else {
+        let wanted = self.wanted(editor);
+        let Some((name, text)) = wanted.filter(|(_, text)| *text != self.tried && now >= self.due)
+        else {
             return refusal;
         };
-        // A file with faults is opened while the session has another layout.
-        if !self.is_on && Layout::parse(text, editor.name()).is_err() {
+        let edited = Document::new(name, text);
+        // A file may have faults when it is opened.
+        if !self.is_on && Layout::parse(&edited.text, &edited.file).is_err() {
+            self.due = now + PERIOD;
             return refusal;
         }
-        if text != self.tried && now >= self.due {
-            let edited = Document::new(editor.name(), text);
-            self.outcome = session.start(&self.file, edited);
-            if self.outcome.is_some() {
-                text.clone_into(&mut self.tried);
-                self.due = now + PERIOD;
-            }
+        let sent = edited.text.clone();
+        self.outcome = session.start(&self.file, edited);
+        if self.outcome.is_some() {
+            self.tried = sent;
+            self.due = now + PERIOD;
         }
         refusal
+    }
+
+    /// Returns the name and the text that the session should have; `None` while the edited one is not valid.
+    fn wanted<'a>(&'a self, editor: &'a LayoutEditor) -> Option<(&'a str, &'a str)> {
+        match &self.other {
+            _ if self.is_on => editor.is_valid().then(|| (editor.name(), editor.text())),
+            Some(other) => Some((self.file.as_str(), other.as_str())),
+            None => Some((editor.name(), editor.saved_text())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editor::{Edit, NewPart};
+    use ademan_core::layout::Fit;
+    use ademan_runtime::files::Load;
+
+    #[test]
+    fn a_session_with_another_layout_gets_the_edited_one_only_on_request() {
+        let used = Layout::load("qwerty-flat").unwrap();
+        let editor = LayoutEditor::open("numpad", Fit::default()).unwrap();
+        let mut trial = EditorTrial::new(&used, &editor, false);
+        let own = (used.file.as_str(), used.text.as_str());
+        assert_eq!(trial.wanted(&editor), Some(own));
+        trial.set_on(true);
+        let edited = (editor.name(), editor.text());
+        assert_eq!(trial.wanted(&editor), Some(edited));
+        trial.set_on(false);
+        assert_eq!(trial.wanted(&editor), Some(own));
+    }
+
+    #[test]
+    fn a_session_with_the_edited_layout_returns_to_its_saved_text() {
+        let used = Layout::load("qwerty-flat").unwrap();
+        let mut editor = LayoutEditor::open("qwerty-flat", Fit::default()).unwrap();
+        let mut trial = EditorTrial::new(&used, &editor, true);
+        editor.apply(&Edit::Add(NewPart::Layer)).unwrap();
+        assert_ne!(editor.text(), used.text);
+        let edited = (editor.name(), editor.text());
+        assert_eq!(trial.wanted(&editor), Some(edited));
+        trial.set_on(false);
+        let saved = (editor.name(), used.text.as_str());
+        assert_eq!(trial.wanted(&editor), Some(saved));
     }
 }

@@ -370,7 +370,7 @@ pub(super) fn advance_trial(ui: &egui::Ui, panel: &mut EditorPanel, context: &Pa
     let editor = &panel.editor;
     let trial = panel.trial.get_or_insert_with(|| {
         let is_on = Typing::new(context.session) == Typing::Nowhere;
-        EditorTrial::new(&context.session.view.layout, is_on)
+        EditorTrial::new(&context.session.view.layout, editor, is_on)
     });
     let now = Duration::from_secs_f64(ui.input(|input| input.time));
     if let Some(refusal) = trial.advance(now, editor, session) {
