@@ -505,6 +505,7 @@ editor-cannot-run = No session can use this layout before its errors are correct
 editor-save-anyway = Save anyway
 editor-saved-with-errors = Saved with errors: no session can use it yet
 editor-copied = Copied as text of a layout
+editor-not-copied = Only controls of a board go to the clipboard; Duplicate copies boards and targets
 editor-copy = Copy
 editor-cut = Cut
 editor-paste = Paste

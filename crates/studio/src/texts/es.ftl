@@ -505,6 +505,7 @@ editor-cannot-run = Ninguna sesión puede usar esta distribución hasta que se c
 editor-save-anyway = Guardar de todos modos
 editor-saved-with-errors = Guardado con errores: ninguna sesión puede usarlo aún
 editor-copied = Copiado como texto de una distribución
+editor-not-copied = Al portapapeles solo van los controles de un tablero; Duplicar copia tableros y objetivos
 editor-copy = Copiar
 editor-cut = Cortar
 editor-paste = Pegar

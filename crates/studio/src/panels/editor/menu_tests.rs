@@ -236,6 +236,20 @@ fn what_is_pasted_is_shown() {
 }
 
 #[test]
+fn a_cut_takes_controls_and_leaves_what_cannot_be_pasted() {
+    let mut window = Window::open();
+    window.click_board(0.0, 0.0);
+    window.event(Event::Cut);
+    let left = window.text();
+    assert!(!left.contains("\"A\"") && left.contains("\"B\""), "{left}");
+    window.panel().show_part(Part::Board(0));
+    window.event(Event::Cut);
+    assert_eq!(window.text(), left);
+    let message = window.panel().message.clone();
+    assert_eq!(message, Some(Err(text("editor-not-copied").to_owned())));
+}
+
+#[test]
 fn a_layout_that_another_studio_edits_is_opened_with_a_message() {
     let window = Window::open();
     let work = window.path.with_file_name("other-work");

@@ -143,10 +143,27 @@ impl EditorPanel {
 
     /// Puts what is selected on the clipboard, as text of a layout.
     pub(super) fn copy(&mut self, context: &egui::Context) {
-        if let Some(copied) = self.editor.copied() {
-            context.copy_text(copied);
-            self.message = Some(Ok(text("editor-copied")));
+        let _ = self.put_on_clipboard(context);
+    }
+
+    /// Moves what is selected to the clipboard. What cannot be pasted stays.
+    pub(super) fn cut(&mut self, context: &egui::Context) {
+        if self.put_on_clipboard(context) {
+            self.delete();
         }
+    }
+
+    /// Puts what is selected on the clipboard. Returns `false` without a control there.
+    fn put_on_clipboard(&mut self, context: &egui::Context) -> bool {
+        let Some(copied) = self.editor.copied() else {
+            if !self.editor.selection().is_empty() {
+                self.message = Some(Err(text("editor-not-copied").to_owned()));
+            }
+            return false;
+        };
+        context.copy_text(copied);
+        self.message = Some(Ok(text("editor-copied")));
+        true
     }
 
     /// Adds controls of the clipboard, in free room near the middle of the canvas.

@@ -157,10 +157,7 @@ fn item_commands(shown: &EditorPanel) -> Vec<Command> {
 fn selection_commands() -> [Command; 5] {
     [
         command("editor-copy", "Ctrl-C", EditorPanel::copy),
-        command("editor-cut", "Ctrl-X", |panel, context| {
-            panel.copy(context);
-            panel.delete();
-        }),
+        command("editor-cut", "Ctrl-X", EditorPanel::cut),
         command("editor-duplicate", "Ctrl-D", |panel, _| panel.duplicate()),
         command("editor-delete", "Delete", |panel, _| panel.delete()),
         command("editor-zoom-selection", "F", |panel, _| {

@@ -170,10 +170,7 @@ fn handle_clipboard(ui: &egui::Ui, panel: &mut EditorPanel) {
     for event in events {
         match event {
             Event::Copy => panel.copy(ui.ctx()),
-            Event::Cut => {
-                panel.copy(ui.ctx());
-                panel.delete();
-            }
+            Event::Cut => panel.cut(ui.ctx()),
             Event::Paste(text) => panel.paste(text),
             _ => {}
         }
