@@ -172,6 +172,25 @@ fn the_palette_has_the_commands_that_can_be_used() {
 }
 
 #[test]
+fn the_palette_pastes_what_comes_with_the_next_picture() {
+    let mut window = Window::open();
+    window.press(Modifiers::COMMAND, Key::A);
+    let copied = window.panel().editor.copied().expect("controls");
+    window.press(Modifiers::COMMAND, Key::K);
+    window.write(text("editor-paste"));
+    window.harness.input_mut().events.push(Event::Key {
+        key: Key::Enter,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    });
+    window.harness.run_steps(1);
+    window.event(Event::Paste(copied));
+    assert_eq!(window.panel().items.items.len(), 4);
+}
+
+#[test]
 fn the_menu_of_the_free_canvas_pastes() {
     let mut window = Window::open();
     let free = window.at(20.0, 40.0);

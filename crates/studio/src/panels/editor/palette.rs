@@ -255,6 +255,8 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
     if let Some(command) = run.and_then(|index| found.get(index)) {
         panel.palette = Palette::default();
+        // The field would have the focus in the next picture, too, and keep what is pasted then from the canvas.
+        ui.memory_mut(egui::Memory::stop_text_input);
         (command.run)(panel, ui.ctx());
     }
 }
