@@ -291,7 +291,9 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
     if let Some(Ok(editor)) = &mut state.editor {
         let is_shown = state.workspace == Workspace::Layout;
         editor::capture_key(ui, editor, is_shown);
-        editor::guard_close(ui, editor);
+        if editor::guard_close(ui, editor) {
+            state.workspace = Workspace::Layout;
+        }
         editor::keep_unfinished(ui, editor);
         editor::advance_trial(ui, editor, context);
     }

@@ -201,8 +201,9 @@ fn close(ui: &egui::Ui, panel: &mut EditorPanel) {
     ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
 }
 
-/// Asks before the window closes with unsaved work.
-pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+/// Asks before the window closes with unsaved work. Returns `true` if the save before that waits for something that only the editor
+/// shows, such as the name of a file.
+pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) -> bool {
     let is_requested = ui.input(|input| input.viewport().close_requested());
     if is_requested {
         panel.commit_drafts();
@@ -216,8 +217,9 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
         panel.is_close_asked = true;
     }
     if !panel.is_close_asked {
-        return;
+        return false;
     }
+    let mut is_waiting = false;
     let modal = egui::Modal::new(egui::Id::unique("close-question"));
     let shown = modal.show(ui.ctx(), |ui| {
         ui.strong(text("editor-close-question"));
@@ -225,7 +227,8 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
         ui.horizontal(|ui| {
             if ui.button(text("editor-close-save")).clicked() {
                 panel.is_close_asked = false;
-                if panel.save() {
+                is_waiting = !panel.save();
+                if !is_waiting {
                     close(ui, panel);
                 } else if let Some(question) = &mut panel.save_question {
                     question.then_close = true;
@@ -246,6 +249,7 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
     if shown.should_close() {
         panel.is_close_asked = false;
     }
+    is_waiting
 }
 
 /// Keeps what is typed or dragged in the recovery file, as it would be in the text.

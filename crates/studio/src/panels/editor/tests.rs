@@ -285,6 +285,31 @@ fn a_window_whose_file_was_deleted_asks_before_it_closes() {
 }
 
 #[test]
+fn a_save_before_the_close_that_needs_a_name_shows_the_editor() {
+    let new = LayoutEditor::empty(Fit::default());
+    let mut edited = EditorPanel::of(new, None);
+    edited.apply(&Edit::Add(crate::editor::NewPart::Layer));
+    let show_question = |ui: &mut egui::Ui, (panel, is_shown): &mut (EditorPanel, bool)| {
+        *is_shown |= guard_close(ui, panel);
+    };
+    let builder = Harness::builder().with_size(vec2(600.0, 400.0));
+    let mut harness = builder.build_ui_state(show_question, (edited, false));
+    for is_asked in [true, false] {
+        let viewports = &mut harness.input_mut().viewports;
+        let viewport = viewports.entry(ViewportId::ROOT).or_default();
+        viewport.events.clear();
+        let event = is_asked.then_some(ViewportEvent::Close);
+        viewport.events.extend(event);
+        harness.run_steps(2);
+    }
+    assert!(!harness.state().1, "the question is shown everywhere");
+    harness.get_by_label(text("editor-close-save")).click();
+    harness.run_steps(2);
+    let (asked, is_shown) = harness.state();
+    assert!(*is_shown && asked.save_as.is_some());
+}
+
+#[test]
 fn a_value_belongs_to_the_part_for_which_it_was_typed() {
     let mut window = Window::open();
     window.click_board(0.0, 0.0);
