@@ -51,6 +51,7 @@ pub(super) fn operate(
         return None;
     }
     panel.canvas_size = Some(size);
+    drop_stale_drag(ui, panel);
     name_for_readers(panel, &response);
     keep_arrow_keys(ui, &response);
     let bounds = Bounds::around(panel.items.items.iter().map(|item| &item.shape));
@@ -69,6 +70,17 @@ pub(super) fn operate(
     panel.check_drag(ui.ctx());
     palette::show_menu(&response, panel);
     Some((area, viewport))
+}
+
+/// Drops a drag whose button went up while the canvas was not shown. The mouse would end it wherever it comes back.
+fn drop_stale_drag(ui: &egui::Ui, panel: &mut EditorPanel) {
+    let is_over = ui.input(|input| {
+        let pointer = &input.pointer;
+        !pointer.primary_down() && !pointer.primary_released()
+    });
+    if is_over && panel.is_dragging_on_canvas() {
+        panel.cancel_drag();
+    }
 }
 
 /// The drawings over the items, and below the board.

@@ -240,6 +240,7 @@ impl EditorPanel {
         }
         self.shown = Some(shown);
         self.gesture = None;
+        self.dragged_radius = None;
         self.preview = Preview::default();
         if !self.editor.is_editable() {
             // The shown items stay, and cannot be edited until the brackets are corrected.

@@ -82,14 +82,13 @@ impl PlanPanel {
 impl EditorPanel {
     /// Shows all boards, and selects those on which something was selected.
     pub(super) fn open_plan(&mut self) {
+        self.cancel_drag();
         self.plan.is_open = true;
         self.plan.is_left = false;
         let selection = self.editor.selection().iter();
         let boards = selection.map(|part| part.board().map_or(*part, Part::Board));
         self.editor.select(boards.collect::<Vec<_>>());
         self.selected.clear();
-        self.gesture = None;
-        self.preview = Preview::default();
     }
 
     /// Shows all boards from a direction.

@@ -11,6 +11,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::tests::{TWO_KEYS, Window};
 use super::*;
+use crate::canvas::gesture::moved;
+use crate::canvas::snap::SnapSettings;
 use ademan_runtime::files::create_private_folder;
 
 /// Height of a window that shows the whole form of a key or board, in points.
@@ -282,4 +284,28 @@ fn the_first_control_of_an_empty_layout_comes_with_a_board() {
         window.press(Modifiers::COMMAND, Key::Z);
         assert_eq!(window.panel().editor.count("boards"), 0, "one step");
     }
+}
+
+#[test]
+fn a_drag_whose_end_the_canvas_has_not_seen_changes_nothing() {
+    let mut window = Window::open();
+    window.click_board(0.0, 0.0);
+    let panel = window.panel();
+    let way = Vec2::new(15.0, 0.0);
+    panel.preview = moved(&panel.items.items, &panel.selected, way, SnapSettings::OFF);
+    panel.gesture = Some(Gesture::Move { from: Vec2::ZERO });
+    let free = window.at(20.0, 40.0);
+    window.event(Event::PointerMoved(free));
+    assert_eq!(window.text(), TWO_KEYS);
+    assert!(!window.panel().is_dragging_on_canvas());
+    assert_eq!(window.panel().preview, Preview::default());
+}
+
+#[test]
+fn a_drag_on_a_board_ends_when_all_boards_are_shown() {
+    let mut window = Window::open();
+    let panel = window.panel();
+    panel.dragged_radius = Some(100.0);
+    panel.open_plan();
+    assert!(!panel.is_dragging_on_canvas());
 }
