@@ -156,7 +156,11 @@ impl EditedFile {
         let document = Document::from_path(&self.name);
         self.is_lost = document.is_err();
         match document {
-            Ok(document) if document.text == self.saved => None,
+            Ok(document) if document.text == self.saved => {
+                // The other program has taken its changes back.
+                self.conflict = None;
+                None
+            }
             Ok(document) => Some(Ok(document.text)),
             Err(error) => Some(Err(error)),
         }

@@ -136,6 +136,24 @@ fn overlapping_changes_are_a_conflict_with_two_ways_out() {
 }
 
 #[test]
+fn a_conflict_ends_with_the_changes_of_the_other_program() {
+    let (_folder, path) = file();
+    let mut editor = open(&path);
+    move_key(&mut editor, 0, 5.0);
+    // Another length, as both writes may lie within one tick of the file system.
+    fs::write(&path, TEXT.replace("(0, 0)", "(0, 19)")).unwrap();
+    assert_eq!(editor.poll(), Some(Change::Conflict));
+    fs::write(&path, TEXT).unwrap();
+    assert_eq!(editor.poll(), None);
+    assert_eq!(editor.conflict(), None);
+    editor.save().unwrap();
+    assert_eq!(
+        fs::read_to_string(&path).unwrap(),
+        TEXT.replace("(0, 0)", "(0, 5)")
+    );
+}
+
+#[test]
 fn two_valid_changes_that_overlap_on_the_board_are_a_conflict() {
     let (_folder, path) = file();
     let mut editor = open(&path);
