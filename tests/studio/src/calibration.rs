@@ -122,3 +122,22 @@ fn a_calibration_that_is_quit_changes_nothing_and_ends_its_pause() {
     window.click(text("workspace-hand"));
     assert!(!window.is_enabled(text("glove-undo")), "no change");
 }
+
+#[test]
+fn a_session_that_was_paused_before_a_calibration_is_paused_after_it() {
+    let person = Person::default();
+    let mut window = open(&person, "unam-hc11");
+    window.press_key(egui::Key::P);
+    window.wait_for("a paused session", |model| {
+        model.view.state.paused_by.is_some()
+    });
+    window.click(text("calibration-start"));
+    assert!(follow(&mut window, &person).is_some());
+    window.press_key(egui::Key::Q);
+    assert!(window.has(text("calibration-start")));
+    for _ in 0..3 {
+        let total = person.take(CalibrationPose::Rest, READINGS);
+        window.wait_for_readings(total);
+    }
+    assert!(window.model().view.state.paused_by.is_some());
+}
