@@ -343,7 +343,7 @@ calibration-intro = Adopte cada pose como en la imagen y manténgala un segundo.
 calibration-start = Empezar
 calibration-demo = Ver a una persona simulada
 calibration-demo-hint = Una persona simulada con un guante sin calibrar adopta las poses
-calibration-simulated = La mano de esta sesión es simulada y no adopta poses. Elige un guante en Dispositivos o mira a una persona simulada.
+calibration-simulated = La mano de esta sesión es simulada y no adopta poses. Elija un guante en Dispositivos o mire a una persona simulada.
 calibration-is-demo = Demostración con una persona simulada
 calibration-none = Esta fuente no necesita archivo de guante; no hay nada que calibrar.
 calibration-pose = Pose { $number } de { $count }
@@ -551,7 +551,7 @@ editor-plan-free-hint = arrastrar: mover en el plano de la imagen (Alt: libre) �
 editor-view-front = De frente
 editor-view-free = Vista libre
 
-## First start
+## Primer inicio
 
 first-title = Ademán Studio: primer inicio
 first-source = Lo que se encontró
@@ -604,7 +604,7 @@ lab-saved = guardada
 lab-run = Ejecutar
 lab-run-hint = Evalúa la distribución en hilos propios
 lab-run-invalid = La distribución tiene errores; la pestaña Distribución los muestra
-lab-run-unnamed = Indica la distribución con la que comparar
+lab-run-unnamed = Indique la distribución con la que comparar
 lab-cancel = Cancelar
 lab-progress = { $done } de { $all } personas
 lab-no-results = Todavía no hay resultados
@@ -630,10 +630,10 @@ lab-seconds-task = Segundos por tarea
 lab-throughput = Rendimiento, bit/s
 lab-points-misses = Clics fuera del objetivo, puntos
 lab-worst-people = Peores personas
-lab-watch-hint = Haz clic en una persona para ver la frase que peor le salió
+lab-watch-hint = Haga clic en una persona para ver la frase que peor le salió
 lab-watch-tasks = Las tareas no se pueden ver
 lab-person = Persona { $number }, { $hand } mm, { $fingers }: { $failure } %
-lab-heat-hint = Cuanto más fuerte el color, más pulsaciones fallaron el control; señala uno para ver sus cifras
+lab-heat-hint = Cuanto más fuerte el color, más pulsaciones fallaron el control; señale uno para ver sus cifras
 lab-watch-note = una persona simulada; nada se escribe en otros programas
 lab-watch-back = Volver al laboratorio
 lab-watch-next = Siguiente fallo
@@ -643,7 +643,7 @@ lab-watch-nothing = nada
 lab-watch-presented = Para escribir
 lab-watch-typed = Escrito
 
-## Session of another program
+## Sesión de otro programa
 
 attached-name = Otra sesión: { $session }
 attached-process = Proceso { $process }
