@@ -96,6 +96,17 @@ impl SensorControl {
             .with_other_hand(other_side(self.setup()))
     }
 
+    /// Goes on with the glove of the session before, if this session was started with the same file: what is not saved stays.
+    pub fn keep_glove(&mut self, before: &mut Self) {
+        let (Some(own), Some(edited)) = (&self.editor, &before.editor) else {
+            return;
+        };
+        if own.document() == edited.document() {
+            self.is_change_due |= own.calibration() != edited.calibration();
+            self.editor = before.editor.take();
+        }
+    }
+
     /// Removes what changes the session: a recording is shown in its place.
     pub fn lock(&mut self) {
         self.editor = None;

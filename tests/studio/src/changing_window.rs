@@ -167,6 +167,13 @@ impl ChangingWindow {
         self.draw();
     }
 
+    /// Sets the number in the field with this label.
+    pub fn set_number(&mut self, label: &str, number: f64) {
+        let field = self.harness.get_by_role_and_label(Role::SpinButton, label);
+        field.set_value_accesskit(number);
+        self.draw();
+    }
+
     /// Writes a picture of the window, if there is a driver; for the guide if its name starts like the names there.
     pub fn picture(&mut self, name: &str) {
         if !picture::has_driver() {

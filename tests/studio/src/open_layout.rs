@@ -76,3 +76,17 @@ fn a_layout_with_faults_leaves_the_session_as_it_is() {
         app.model().history.events().any(|event| event.is_press)
     });
 }
+
+#[test]
+fn another_layout_keeps_a_calibration_that_is_not_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = ChangingWindow::open("arrows", &folder.path().join("studio.ron"));
+    window.wait_for_words(text("joint-elbow"));
+    window.click(text("joint-elbow"));
+    assert!(!window.has(text("glove-unsaved")));
+    window.set_number(text("value-offset"), 40.0);
+    assert!(window.has(text("glove-unsaved")));
+    window.choose_layout("numpad");
+    window.draw();
+    assert!(window.has(text("glove-unsaved")));
+}

@@ -2,7 +2,7 @@
 
 mod window;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crossbeam_channel::{Receiver, TryRecvError};
@@ -115,9 +115,8 @@ impl StudioApp {
         self.settings_file = file;
         self.panels.message = error.map(|error| error.to_string());
         let setup = self.sensors.setup();
-        if let Some(layout_path) = setup.layout_path(&setup.layout) {
-            let layout_path = PathBuf::from(layout_path);
-            self.panels.settings().recent_layouts.push(&layout_path);
+        if let Some(own) = setup.layout_path(&setup.layout) {
+            self.panels.settings().recent_layouts.push(Path::new(own));
         }
         self
     }
@@ -480,6 +479,7 @@ impl<'a> StudioStart<'a> {
         match (saved.map_err(|error| error.to_string()), opened) {
             (saved, Ok(mut other)) => {
                 other.can_open = true;
+                other.sensors.keep_glove(&mut app.sensors);
                 other.panels.keep_devices(&mut app.panels);
                 other.panels.message = saved.err().or(other.panels.message);
                 self.app = Some(other);
