@@ -369,20 +369,30 @@ fn edit_while_dragged(
     field: &'static str,
     edit: impl Fn(Vec<Part>) -> Edit,
 ) {
+    let revision = panel.editor.revision();
     let before = panel.form.dragged.clone();
-    let before = before.filter(|dragged| dragged.name == field);
-    let result = match before {
-        Some(dragged) => panel.editor.amend(&edit(dragged.parts)),
-        None => {
-            let is_row_key = matches!(parts[0], Part::RowKey { .. });
-            panel.form.dragged = Some(DraggedField {
-                name: field,
-                parts: parts.to_vec(),
-                was_written: !is_row_key && panel.editor.value(parts[0], field).is_some(),
-            });
-            panel.editor.apply(&edit(parts.to_vec()))
+    let before = before.filter(|dragged| dragged.name == field && dragged.revision == revision);
+    let dragged = before.unwrap_or_else(|| {
+        let is_row_key = matches!(parts[0], Part::RowKey { .. });
+        DraggedField {
+            name: field,
+            parts: parts.to_vec(),
+            was_written: !is_row_key && panel.editor.value(parts[0], field).is_some(),
+            revision: 0,
         }
+    });
+    let edit = edit(dragged.parts.clone());
+    let result = if dragged.revision == revision {
+        panel.editor.amend(&edit)
+    } else {
+        panel.editor.apply(&edit)
     };
+    if result.is_ok() {
+        panel.form.dragged = Some(DraggedField {
+            revision: panel.editor.revision(),
+            ..dragged
+        });
+    }
     panel.report(result);
 }
 

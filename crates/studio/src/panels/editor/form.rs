@@ -41,6 +41,8 @@ pub(super) struct DraggedField {
     pub parts: Vec<Part>,
     /// The field was written before.
     pub was_written: bool,
+    /// Revision of the text after the drag so far. With another one the last edit does not belong to the drag.
+    pub revision: u64,
 }
 
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {

@@ -309,3 +309,24 @@ fn a_drag_on_a_board_ends_when_all_boards_are_shown() {
     panel.open_plan();
     assert!(!panel.is_dragging_on_canvas());
 }
+
+#[test]
+fn an_undo_while_a_number_is_dragged_leaves_the_edit_before() {
+    let mut window = Window::on_text(TWO_KEYS, TALL);
+    window.click_board(0.0, 0.0);
+    window.press(Modifiers::NONE, Key::ArrowUp);
+    let moved = window.text();
+    assert_ne!(moved, TWO_KEYS);
+    window.harness.run_steps(3);
+    window.show_defaults();
+    let from = window.number_at("travel");
+    window.begin_drag(from, 30.0);
+    assert!(window.text().contains("travel_mm"));
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), moved);
+    let to = from + vec2(60.0, 0.0);
+    window.event(Event::PointerMoved(to));
+    window.button(to, false);
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), moved);
+}
