@@ -99,9 +99,15 @@ impl EditorPanel {
         });
     }
 
-    /// Writes what becomes of the drawing of the layout.
+    /// Writes what becomes of the drawing of the layout, unless its text cannot be read.
     fn export(&mut self, extension: &str, convert: &dyn Fn(String) -> Result<Vec<u8>, String>) {
-        let Some(layout) = self.editor.layout() else {
+        if !self.commit_drafts() {
+            return;
+        }
+        let layout = self.editor.layout().filter(|_| self.editor.is_read());
+        let Some(layout) = layout else {
+            let problem = self.editor.problems().first();
+            self.message = problem.map(|problem| Err(problem.message.clone()));
             return;
         };
         let name = self.editor.name().rsplit('/').next().unwrap_or_default();
@@ -195,7 +201,7 @@ mod tests {
 
     use super::super::tests::TWO_KEYS;
     use super::*;
-    use crate::editor::{Edit, NewPart};
+    use crate::editor::{Edit, NewPart, Part};
     use ademan_core::layout::Fit;
 
     #[test]
@@ -207,6 +213,24 @@ mod tests {
         assert_eq!(panel.message, None);
         panel.open_empty();
         assert_eq!(panel.message, None);
+    }
+
+    #[test]
+    fn a_text_that_cannot_be_read_is_not_exported_as_it_was_before() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("mine.ron");
+        fs::write(&path, TWO_KEYS).expect("a file");
+        let name = path.to_str().expect("a readable path");
+        let mut panel = EditorPanel::open(name, Fit::default(), None).expect("a layout");
+        panel.apply(&Edit::SetField {
+            parts: vec![Part::Board(0)],
+            field: "travel_mm".to_owned(),
+            value: Some("4000".to_owned()),
+        });
+        assert!(!panel.editor.is_read());
+        panel.export_svg();
+        assert!(matches!(panel.message, Some(Err(_))));
+        assert!(!path.with_extension("svg").exists());
     }
 
     #[test]
