@@ -22,7 +22,7 @@ const ONLY_B: Color32 = Color32::from_rgb(0xa4, 0x5b, 0xb8);
 #[derive(Default)]
 pub struct ComparisonState {
     /// Name or path of layout B.
-    layout: String,
+    pub(super) layout: String,
     job: Option<Job<Result<Compared, String>>>,
     result: Option<Result<Compared, String>>,
 }

@@ -3,6 +3,8 @@
 mod comparison;
 mod part;
 
+use std::path::{Path, PathBuf};
+
 use eframe::egui::{self, Key, Modifiers};
 
 use self::comparison::ComparisonState;
@@ -14,8 +16,22 @@ use crate::texts::{text, text_with};
 /// State of the panel between two pictures.
 #[derive(Default)]
 pub struct RecordingState {
+    /// The recording whose part and comparison these are.
+    path: PathBuf,
     part: PartState,
     comparison: ComparisonState,
+}
+
+impl RecordingState {
+    /// Begins with another recording, such as that of another person of the lab.
+    fn follow(&mut self, path: &Path) {
+        if self.path != path {
+            *self = Self {
+                path: path.to_owned(),
+                ..Self::default()
+            };
+        }
+    }
 }
 
 /// Draws the bar of a recording. `has_focus` tells whether its panel has the focus.
@@ -29,6 +45,7 @@ pub(super) fn show(
         return;
     };
     let (state, moves) = (&mut state.recording, &mut *context.moves);
+    state.follow(&player.recording().path);
     ui.add_space(4.0);
     ui.horizontal(|ui| show_transport(ui, player, moves));
     show_position(ui, player, state.part.marks(player), moves);
@@ -160,5 +177,22 @@ fn show_position(
     }
     if response.changed() {
         moves.push(Move::Step(index));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_recording_has_no_part_and_no_comparison_yet() {
+        let mut state = RecordingState::default();
+        let [one, other] = ["one.mcap", "other.mcap"].map(Path::new);
+        state.follow(one);
+        state.comparison.layout = "dvorak-flat".to_owned();
+        state.follow(one);
+        assert_eq!(state.comparison.layout, "dvorak-flat");
+        state.follow(other);
+        assert_eq!(state.comparison.layout, "");
     }
 }
