@@ -107,7 +107,7 @@ impl EditorPanel {
         let layout = self.editor.layout().filter(|_| self.editor.is_read());
         let Some(layout) = layout else {
             let problem = self.editor.problems().first();
-            self.message = problem.map(|problem| Err(problem.message.clone()));
+            self.message = problem.map(|it| Err(it.message.clone()));
             return;
         };
         let name = self.editor.name().rsplit('/').next().unwrap_or_default();
