@@ -121,6 +121,8 @@ pub(super) fn bind(
             draft.unset(part, field)?;
             Ok(vec![part])
         }
+        // It has no held action, for which it would have to leave its row.
+        (Slot::Hold, None) if matches!(part, Part::RowKey { .. }) => Ok(vec![part]),
         (Slot::Hold, _) => bind_hold(draft, part, binding),
         (Slot::Base, None) => bind_base(draft, part, &Binding::NoOp),
         (Slot::Base, Some(binding)) => bind_base(draft, part, binding),

@@ -128,6 +128,20 @@ fn a_key_of_a_row_is_bound_within_the_row_and_layers_follow() {
 }
 
 #[test]
+fn a_key_stays_in_its_row_if_a_held_action_is_removed_that_it_does_not_have() {
+    let mut editor = shipped("qwerty-two-arc");
+    let original = editor.text().to_owned();
+    let unbind = Edit::Bind {
+        part: in_row(0),
+        slot: Slot::Hold,
+        binding: None,
+    };
+    editor.apply(&unbind).unwrap();
+    assert_eq!(editor.text(), original);
+    assert_eq!(editor.selection(), [in_row(0)]);
+}
+
+#[test]
 fn deleted_keys_leave_no_mention() {
     let mut editor = shipped("chords-bend");
     editor
