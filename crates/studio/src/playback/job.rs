@@ -2,7 +2,12 @@
 
 use std::thread;
 
-use crossbeam_channel::{Receiver, bounded};
+use crossbeam_channel::{Receiver, TryRecvError, bounded};
+
+/// Reason why there is no result: the thread has not started, or has ended early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no thread has done this; close other programs and try again")]
+pub struct JobLost;
 
 /// Work on a thread of its own, and its result.
 pub struct Job<T> {
@@ -10,7 +15,7 @@ pub struct Job<T> {
 }
 
 impl<T: Send + 'static> Job<T> {
-    /// Starts the work. If there is no thread for it, it has no result.
+    /// Starts the work. If there is no thread for it, it is lost.
     pub fn start(work: impl FnOnce() -> T + Send + 'static) -> Self {
         let (sender, result) = bounded(1);
         let thread = thread::Builder::new().name("studio-job".into());
@@ -19,8 +24,26 @@ impl<T: Send + 'static> Job<T> {
         Self { result }
     }
 
-    /// Returns the result once, when it is there. Does not wait.
-    pub fn poll(&self) -> Option<T> {
-        self.result.try_recv().ok()
+    /// Returns the result once, when it is there, or the reason why there will be none. Does not wait.
+    pub fn poll(&self) -> Option<Result<T, JobLost>> {
+        match self.result.try_recv() {
+            Ok(result) => Some(Ok(result)),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Err(JobLost)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_whose_thread_ends_without_a_result_is_lost() {
+        let (sender, result) = bounded::<u8>(1);
+        let job = Job { result };
+        assert_eq!(job.poll(), None);
+        drop(sender);
+        assert_eq!(job.poll(), Some(Err(JobLost)));
     }
 }

@@ -24,7 +24,7 @@ mod tests;
 
 pub use self::comparison::{Comparison, Match, Press, compare};
 pub use self::export::{ExportError, default_name, export};
-pub use self::job::Job;
+pub use self::job::{Job, JobLost};
 pub use self::loader::{OpenError, Recording};
 pub use self::player::{Move, Player, SPEEDS};
 pub use self::step::RecordedStep;

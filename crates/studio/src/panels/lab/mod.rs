@@ -87,7 +87,8 @@ impl LabState {
         }
         if let Some(result) = self.watching.as_ref().and_then(Job::poll) {
             self.watching = None;
-            let opened = result.and_then(|(person, recording)| {
+            let outcome = result.unwrap_or_else(|lost| Err(lost.to_string()));
+            let opened = outcome.and_then(|(person, recording)| {
                 let player = Player::open(recording).map_err(|error| error.to_string())?;
                 Ok(Box::new((person, player)))
             });

@@ -51,7 +51,8 @@ impl ComparisonState {
 
 pub(super) fn show_controls(ui: &mut egui::Ui, state: &mut ComparisonState, player: &Player) {
     if let Some(result) = state.job.as_ref().and_then(Job::poll) {
-        (state.job, state.result) = (None, Some(result));
+        let compared = result.unwrap_or_else(|lost| Err(lost.to_string()));
+        (state.job, state.result) = (None, Some(compared));
     }
     let label = ui.label(text("recording-compare"));
     let field = egui::TextEdit::singleline(&mut state.layout)

@@ -64,16 +64,17 @@ impl PartState {
         self.job = None;
         let file = self.file.clone().unwrap_or_default();
         self.message = match result {
-            Ok(readings) => {
+            Ok(Ok(readings)) => {
                 let count = readings.to_string().into();
                 let values = [("count", count), ("file", file.into())];
                 Some(text_with("recording-exported", &values))
             }
-            Err(ExportError::Exists(_)) => {
+            Ok(Err(ExportError::Exists(_))) => {
                 self.is_asking = true;
                 None
             }
-            Err(error) => Some(error.to_string()),
+            Ok(Err(error)) => Some(error.to_string()),
+            Err(lost) => Some(lost.to_string()),
         };
     }
 }
