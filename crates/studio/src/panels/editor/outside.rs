@@ -332,8 +332,11 @@ impl EditorPanel {
         }
     }
 
-    /// Asks for the name of a copy.
+    /// Asks for the name of a copy. A name that is being written stays.
     pub(super) fn ask_for_path(&mut self) {
+        if self.save_as.is_some() {
+            return;
+        }
         let path = match self.editor.path() {
             Some(path) => path.to_string_lossy().into_owned(),
             None => {

@@ -469,3 +469,16 @@ fn the_name_of_a_copy_is_typed_at_once_and_escape_cancels_it() {
     assert!(window.panel().save_as.is_none());
     assert!(window.folder.path().join("copy.ron").exists());
 }
+
+#[test]
+fn a_save_while_the_name_of_a_copy_is_written_keeps_the_name() {
+    let mut window = Window::open();
+    let new = LayoutEditor::empty(Fit::default());
+    *window.panel() = EditorPanel::of(new, None);
+    window.save();
+    window.press(Modifiers::COMMAND, Key::A);
+    window.write("copy");
+    window.save();
+    let field = window.field(text("editor-save-path"));
+    assert_eq!(field.as_deref(), Some("copy"));
+}
