@@ -2,11 +2,12 @@
 
 use std::fs;
 use std::io;
+use std::mem;
 use std::path::{Path, PathBuf};
 
-use super::{Edited, LayoutEditor};
-use ademan_core::document::{Document, DocumentError};
-use ademan_core::editing::Patch;
+use super::{Edited, LayoutEditor, Part};
+use ademan_core::document::{Document, DocumentError, read_tree};
+use ademan_core::editing::{self, Patch};
 use ademan_core::message::escape_path;
 use ademan_runtime::files::{self, FileError, OpenDocument};
 
@@ -325,7 +326,7 @@ impl LayoutEditor {
     /// Replaces the whole text as one edit.
     pub(super) fn replace_text(&mut self, new: &str) {
         let patch = Patch::between(&self.text, new);
-        let parts = self.selection.clone();
+        let parts = self.selection_in(new);
         let edited = Edited {
             patches: vec![patch],
             text: new.to_owned(),
@@ -333,6 +334,27 @@ impl LayoutEditor {
         };
         // A patch between two texts applies to the first.
         let _ = self.adopt(edited);
+    }
+
+    /// Returns the selected parts in another text, in which their indices may be those of others: parts with a name by their names.
+    fn selection_in(&self, other: &str) -> Vec<Part> {
+        let Some(tree) = read_tree(other) else {
+            return self.selection.clone();
+        };
+        let targets = editing::targets(other, &tree);
+        let name_in_other = |part: Part| editing::name_of(other, &tree, part);
+        let moved = |part: Part| {
+            let name = self.part_name(part);
+            let is_same = name.is_none() || name_in_other(part) == name;
+            if is_same || matches!(part, Part::Layout | Part::Pointer) {
+                return Some(part);
+            }
+            let is_kind = |own: &Part| mem::discriminant(own) == mem::discriminant(&part);
+            let mut own = targets.iter().copied().filter(is_kind);
+            own.find(|target| name_in_other(*target) == name)
+        };
+        let selected = self.selection.iter().copied();
+        selected.filter_map(moved).collect()
     }
 }
 

@@ -108,6 +108,27 @@ fn a_change_by_another_program_is_read_or_merged() {
 }
 
 #[test]
+fn a_selected_key_stays_selected_when_another_program_adds_one_before_it() {
+    let (_folder, path) = file();
+    let mut editor = open(&path);
+    let key = |index| Part::Control {
+        board: 0,
+        kind: ControlKind::Key,
+        index,
+    };
+    editor.select([key(0)]);
+    let first = "(code: \"A\"";
+    let more = format!("(code: \"E\", at_mm: (0, 40)),\n                {first}");
+    fs::write(&path, TEXT.replace(first, &more)).unwrap();
+    assert_eq!(editor.poll(), Some(Change::Reloaded));
+    assert_eq!(editor.selection(), [key(1)]);
+    let line = "                (code: \"A\", at_mm: (0, 0)), // first\n";
+    fs::write(&path, TEXT.replace(line, "")).unwrap();
+    assert_eq!(editor.poll(), Some(Change::Reloaded));
+    assert_eq!(editor.selection(), []);
+}
+
+#[test]
 fn overlapping_changes_are_a_conflict_with_two_ways_out() {
     for resolution in [Resolution::KeepMine, Resolution::TakeTheirs] {
         let (_folder, path) = file();
