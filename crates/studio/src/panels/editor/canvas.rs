@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{self, EventFilter, PointerButton, Sense};
+use eframe::egui::{self, Event, EventFilter, PointerButton, Sense, TouchPhase};
 use parry3d::math::Vec2;
 
 use super::super::{PanelContext, look, space};
@@ -72,15 +72,30 @@ pub(super) fn operate(
     Some((area, viewport))
 }
 
-/// Drops a drag whose button went up while the canvas was not shown. The mouse would end it wherever it comes back.
+/// Drops a drag whose touch was cancelled, or whose button went up while the canvas was not shown. The mouse would end it wherever it
+/// comes back.
 fn drop_stale_drag(ui: &egui::Ui, panel: &mut EditorPanel) {
     let is_over = ui.input(|input| {
         let pointer = &input.pointer;
         !pointer.primary_down() && !pointer.primary_released()
     });
-    if is_over && panel.is_dragging_on_canvas() {
+    if (is_over || is_touch_cancelled(ui)) && panel.is_dragging_on_canvas() {
         panel.cancel_drag();
     }
+}
+
+/// Returns `true` if the system has taken a touch away, which releases no button.
+pub(super) fn is_touch_cancelled(ui: &egui::Ui) -> bool {
+    let is_cancel = |event: &Event| {
+        matches!(
+            event,
+            Event::Touch {
+                phase: TouchPhase::Cancel,
+                ..
+            }
+        )
+    };
+    ui.input(|input| input.events.iter().any(is_cancel))
 }
 
 /// The drawings over the items, and below the board.

@@ -270,6 +270,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     };
     canvas::move_view(ui, &response, &mut viewport, pans, to_local, size);
     panel.plan.viewport().move_to(viewport);
+    if panel.plan.is_dragging() && canvas::is_touch_cancelled(ui) {
+        panel.escape();
+    }
     if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
         let point = viewport.to_board(to_local(at), size);
         if response.contains_pointer() && ui.input(|input| input.pointer.primary_pressed()) {

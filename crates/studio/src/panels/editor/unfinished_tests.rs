@@ -330,3 +330,22 @@ fn an_undo_while_a_number_is_dragged_leaves_the_edit_before() {
     window.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(window.text(), moved);
 }
+
+#[test]
+fn a_touch_that_is_cancelled_moves_nothing() {
+    let mut window = Window::open();
+    let key = window.at(0.0, 0.0);
+    window.begin_drag(key, 50.0);
+    assert!(window.panel().is_dragging_on_canvas());
+    window.event(Event::Touch {
+        device_id: egui::TouchDeviceId(0),
+        id: egui::TouchId(0),
+        phase: egui::TouchPhase::Cancel,
+        pos: key,
+        force: None,
+    });
+    window.event(Event::PointerGone);
+    assert!(!window.panel().is_dragging_on_canvas());
+    window.button(key + vec2(50.0, 0.0), false);
+    assert_eq!(window.text(), TWO_KEYS);
+}
