@@ -286,6 +286,18 @@ fn is_other_number(old: f64, new: f64, decimals: usize) -> bool {
     old != new && shown(old) != shown(new)
 }
 
+/// Returns the number that is typed into a field; `None` for words and for what is no finite number. A comma is that of decimals,
+/// unless it may separate thousands.
+fn typed_number(words: &str) -> Option<f64> {
+    let visible = words.chars().filter(|letter| !letter.is_whitespace());
+    let plain: String = visible.collect::<String>().replace('−', "-");
+    let written = match plain.split_once(',') {
+        Some((whole, decimals)) if decimals.len() != 3 => format!("{whole}.{decimals}"),
+        _ => plain,
+    };
+    written.parse().ok().filter(|it: &f64| it.is_finite())
+}
+
 /// Draws all panels.
 pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     if let Some(Ok(editor)) = &mut state.editor {
@@ -383,5 +395,23 @@ mod tests {
         assert!(!is_other_number(degrees, degrees, 1));
         assert!(is_other_number(degrees, 172.0, 1));
         assert!(is_other_number(4.0, 4.001, 3));
+    }
+
+    #[test]
+    fn a_number_is_typed_with_a_point_or_a_comma_and_is_finite() {
+        for (words, expected) in [
+            ("1.5", Some(1.5)),
+            ("1,5", Some(1.5)),
+            (" −0,25 ", Some(-0.25)),
+            ("1 000", Some(1000.0)),
+            ("1,000", None),
+            ("1.000,5", None),
+            ("", None),
+            ("nan", None),
+            ("inf", None),
+            ("1e999", None),
+        ] {
+            assert_eq!(typed_number(words), expected, "{words}");
+        }
     }
 }

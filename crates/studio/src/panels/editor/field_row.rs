@@ -8,7 +8,7 @@ use super::EditorPanel;
 use super::form::DraggedField;
 use crate::canvas::plan::at_start;
 use crate::editor::{ANCHOR, Edit, FieldSpec, FieldType, Part, quoted};
-use crate::panels::is_other_number;
+use crate::panels::{is_other_number, typed_number};
 use crate::texts::text;
 
 /// Decimals of a number that is shown.
@@ -263,6 +263,7 @@ pub(super) struct Number {
 impl Number {
     fn drag_value<'a>(&self, shown: &'a mut f64) -> DragValue<'a> {
         let drag = DragValue::new(shown).speed(self.speed);
+        let drag = drag.custom_parser(typed_number);
         // A value of the file beyond the range stays until it is changed.
         let drag = drag
             .range(self.range.clone())

@@ -8,7 +8,7 @@ use super::drafts::{Drafts, GeometryDraft};
 use super::{EditorPanel, bar, binding, field_row, rounded, several, steps};
 use crate::canvas::ItemShape;
 use crate::editor::{ControlKind, Edit, FieldSpec, FieldType, Part, fields_of};
-use crate::panels::is_other_number;
+use crate::panels::{is_other_number, typed_number};
 use crate::texts::{text, text_with};
 
 /// Decimals of a number that is shown.
@@ -159,6 +159,7 @@ fn show_numbers(ui: &mut egui::Ui, shape: &mut ItemShape, can_turn: bool) -> Num
                 |grid: &mut egui::Ui, name: &str, value: &mut f32, range, suffix: &str| {
                     let label = grid.label(name);
                     let drag = DragValue::new(value).speed(0.1).max_decimals(DECIMALS);
+                    let drag = drag.custom_parser(typed_number);
                     // A value of the file beyond the range stays until it is changed.
                     let drag = drag.range(range).clamp_existing_to_range(false);
                     let drag = grid.add(drag.suffix(suffix)).labelled_by(label.id);

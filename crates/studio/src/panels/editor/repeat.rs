@@ -9,6 +9,7 @@ use eframe::egui::{self, Popup, PopupCloseBehavior};
 use super::{EditorPanel, rounded};
 use crate::canvas::Bounds;
 use crate::editor::{Edit, Part};
+use crate::panels::typed_number;
 use crate::texts::text;
 
 /// Pitch and width of the keys of a board whose file does not give them, in millimetres.
@@ -156,6 +157,7 @@ fn show_number(
 ) {
     let label = ui.label(name);
     let number = egui::DragValue::new(number).range(range).speed(0.1);
+    let number = number.custom_parser(typed_number);
     ui.add(number.suffix(unit)).labelled_by(label.id);
     ui.end_row();
 }

@@ -6,7 +6,7 @@ use eframe::egui::{self, Color32, DragValue, Pos2, Stroke};
 
 use crate::filter_trace::{FilterSample, FilterTrace, SECONDS};
 use crate::joint_names::joint_name;
-use crate::panels::PanelContext;
+use crate::panels::{PanelContext, typed_number};
 use crate::sensor_control::SensorControl;
 use crate::texts::{text, text_with};
 use ademan_core::estimate::{OneEuroSettings, Smoothing};
@@ -80,6 +80,7 @@ fn show_choice(ui: &mut egui::Ui, smoothing: Smoothing) -> Smoothing {
         ui.horizontal_wrapped(|ui| {
             let cutoff = DragValue::new(&mut settings.min_cutoff_hz)
                 .range(0.1..=50.0)
+                .custom_parser(typed_number)
                 .speed(0.02)
                 .max_decimals(2)
                 .suffix(" Hz");
@@ -89,6 +90,7 @@ fn show_choice(ui: &mut egui::Ui, smoothing: Smoothing) -> Smoothing {
             ui.add(cutoff).labelled_by(label.id);
             let beta = DragValue::new(&mut settings.beta)
                 .range(0.0..=50.0)
+                .custom_parser(typed_number)
                 .speed(0.05)
                 .max_decimals(2);
             let beta_label = ui

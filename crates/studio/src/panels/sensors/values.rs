@@ -4,7 +4,7 @@ use eframe::egui::{self, DragValue};
 
 use crate::glove_editor::{GloveEditor, MAX_FULL_RANGE_DEG, MIN_FULL_RANGE_DEG};
 use crate::joint_names::joint_name;
-use crate::panels::{PanelContext, is_other_number};
+use crate::panels::{PanelContext, is_other_number, typed_number};
 use crate::sensor_control::SensorControl;
 use crate::sensors::{ChannelJoint, SensorRow};
 use crate::texts::text;
@@ -56,6 +56,7 @@ fn show_joint(
     }
     let value = DragValue::new(&mut range)
         .range(MIN_FULL_RANGE_DEG..=MAX_FULL_RANGE_DEG)
+        .custom_parser(typed_number)
         .max_decimals(DECIMALS)
         .speed(0.5)
         .suffix("°");
@@ -69,6 +70,7 @@ fn show_joint(
     ui.end_row();
     let zero_value = DragValue::new(&mut zero)
         .range(-full_scale..=2.0 * full_scale)
+        .custom_parser(typed_number)
         .max_decimals(DECIMALS)
         .speed(0.2);
     let zero_label = ui
@@ -134,6 +136,7 @@ fn show_range(ui: &mut egui::Ui, sensors: &mut SensorControl, channel: usize, fu
 fn end(count: &mut f64, full_scale: f64) -> DragValue<'_> {
     DragValue::new(count)
         .range(0.0..=full_scale)
+        .custom_parser(typed_number)
         .max_decimals(DECIMALS)
         .speed(0.2)
 }
