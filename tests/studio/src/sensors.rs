@@ -145,3 +145,37 @@ fn a_number_that_is_left_as_it_was_does_not_change_the_file() {
         assert!(!window.is_enabled(text("glove-undo")), "{field}");
     }
 }
+
+/// Asks the window to close, as the desktop does. Returns `true` if it does.
+fn closes(window: &mut StudioWindow) -> bool {
+    let root = egui::ViewportId::ROOT;
+    let viewports = &mut window.harness.input_mut().viewports;
+    let asked = viewports.entry(root).or_default();
+    asked.events.push(egui::ViewportEvent::Close);
+    window.draw(1);
+    let output = window.harness.output().viewport_output.get(&root);
+    let cancel = egui::ViewportCommand::CancelClose;
+    let is_cancelled = output.is_some_and(|it| it.commands.contains(&cancel));
+    if let Some(root_viewport) = window.harness.input_mut().viewports.get_mut(&root) {
+        root_viewport.events.clear();
+    }
+    window.draw(2);
+    !is_cancelled
+}
+
+#[test]
+fn a_window_with_a_calibration_that_is_not_saved_asks_before_it_closes() {
+    let mut own = OwnGlove::open();
+    let window = &mut own.window;
+    assert!(closes(window));
+    window.click(text("joint-elbow"));
+    window.set_number(Role::SpinButton, text("value-offset"), 40.0);
+    assert!(!closes(window));
+    assert!(window.has(text("glove-close-question")));
+    window.click(text("editor-close-cancel"));
+    assert!(!window.has(text("glove-close-question")));
+    assert!(!closes(window), "it asks again");
+    window.click(text("editor-close-discard"));
+    assert!(closes(window));
+    assert_eq!(own.file(), shipped());
+}

@@ -3,6 +3,7 @@
 mod actions;
 mod attached;
 mod calibration;
+mod close;
 mod devices;
 mod editor;
 mod file_field;
@@ -27,6 +28,7 @@ use std::path::PathBuf;
 
 use eframe::egui;
 
+use self::close::CloseQuestion;
 use self::devices::DevicesWindow;
 use self::editor::EditorPanel;
 use self::lab::LabState;
@@ -134,6 +136,7 @@ pub struct PanelState {
     workspace: Workspace,
     /// The layout editor, once its tab was opened, or the reason why it has no layout.
     editor: Option<Result<EditorPanel, String>>,
+    close_question: CloseQuestion,
     /// Folder with unsaved work of the editor. `None`: it is not kept.
     unsaved_work: Option<PathBuf>,
     camera: Camera,
@@ -273,6 +276,7 @@ impl PanelState {
 
     /// Lets the window close without a question, as after a signal. Unsaved work stays in the recovery file.
     pub fn permit_close(&mut self) {
+        self.close_question.permit_close();
         if let Some(Ok(editor)) = &mut self.editor {
             editor.permit_close();
         }
@@ -309,6 +313,7 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
         editor::keep_unfinished(ui, editor);
         editor::advance_trial(ui, editor, context);
     }
+    close::guard(ui, state, context);
     look::apply(ui.ctx(), state);
     lab::advance(state, context);
     // The keys of a calibration are its own.

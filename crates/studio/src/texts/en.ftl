@@ -301,6 +301,7 @@ glove-undo = Undo
 glove-redo = Redo
 glove-undo-hint = Undo the last change of the glove
 glove-redo-hint = Repeat the undone change
+glove-close-question = The calibration of the glove is not saved.
 glove-unsaved = ● not saved
 glove-replace = { $file } exists. Replace it? The present file is kept as { $backup }.
 button-replace = Replace

@@ -301,6 +301,7 @@ glove-undo = Deshacer
 glove-redo = Rehacer
 glove-undo-hint = Deshacer el último cambio del guante
 glove-redo-hint = Repetir el cambio deshecho
+glove-close-question = La calibración del guante no está guardada.
 glove-unsaved = ● sin guardar
 glove-replace = { $file } ya existe. ¿Reemplazarlo? El archivo actual se conserva como { $backup }.
 button-replace = Reemplazar

@@ -350,6 +350,11 @@ impl EditorPanel {
         });
     }
 
+    /// Returns `true` while the question is shown whether unsaved work is saved before the window closes.
+    pub fn asks_before_close(&self) -> bool {
+        self.is_close_asked
+    }
+
     /// Lets the window close without a question.
     pub fn permit_close(&mut self) {
         self.may_close = true;
