@@ -52,20 +52,21 @@ pub(super) fn guard(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCo
         return;
     };
     question.is_asked = false;
-    let is_done = match answer {
-        Answer::Save => context.sensors.save(false),
-        Answer::Discard => true,
-        Answer::Stay => return,
-    };
-    if is_done {
+    let is_saved = matches!(answer, Answer::Save) && context.sensors.save(false);
+    if is_saved || matches!(answer, Answer::Discard) {
         question.permit_close();
         ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
         return;
     }
-    // The question whether a file is replaced, or the reason why it cannot be written, is there.
-    state.workspace = Workspace::Hand;
-    if !state.shows(SENSORS) {
-        state.toggle(SENSORS);
+    if let Some(Ok(layout)) = &mut state.editor {
+        layout.stay_open();
+    }
+    if matches!(answer, Answer::Save) {
+        // The question whether a file is replaced, or the reason why it cannot be written, is there.
+        state.workspace = Workspace::Hand;
+        if !state.shows(SENSORS) {
+            state.toggle(SENSORS);
+        }
     }
 }
 

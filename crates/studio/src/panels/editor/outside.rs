@@ -355,6 +355,13 @@ impl EditorPanel {
         self.is_close_asked
     }
 
+    /// Asks again before the window closes, which something else has kept open, and keeps unsaved work again.
+    pub fn stay_open(&mut self) {
+        if mem::take(&mut self.may_close) {
+            self.editor.keep_with(&[]);
+        }
+    }
+
     /// Lets the window close without a question.
     pub fn permit_close(&mut self) {
         self.may_close = true;

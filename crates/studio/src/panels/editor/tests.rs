@@ -275,6 +275,17 @@ fn a_window_with_a_typed_value_asks_before_it_closes() {
 }
 
 #[test]
+fn a_window_that_stays_open_asks_again() {
+    let mut window = Window::open();
+    window.click_board(0.0, 0.0);
+    window.press(Modifiers::NONE, Key::ArrowUp);
+    window.panel().permit_close();
+    window.panel().stay_open();
+    window.close();
+    assert!(window.panel().is_close_asked);
+}
+
+#[test]
 fn a_window_whose_file_was_deleted_asks_before_it_closes() {
     let mut window = Window::open();
     fs::remove_file(&window.path).unwrap();
