@@ -24,6 +24,11 @@ pub enum SetupChange {
 }
 
 impl SetupChange {
+    /// Returns `true` if the session after the change may have another glove.
+    pub fn may_change_glove(&self) -> bool {
+        matches!(self, Self::Source(_) | Self::Glove(_) | Self::File(_))
+    }
+
     /// Returns a setup with the change. Roles that were given to the old source do not pass to the next one. Fails as a
     /// setup file does.
     pub fn apply(&self, setup: Setup) -> Result<Setup, SetupError> {

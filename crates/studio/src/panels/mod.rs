@@ -251,11 +251,11 @@ impl PanelState {
         self.workspace = Workspace::Calibration;
     }
 
-    /// Returns the change of the setup that was chosen, if any. It is refused while the session has changes of the glove that are not
-    /// saved: they would end with the session.
+    /// Returns the change of the setup that was chosen, if any. One that may bring another glove is refused while the session has
+    /// changes of the glove that are not saved: they would end with the session.
     pub fn take_setup(&mut self, sensors: &SensorControl) -> Option<SetupChange> {
         let change = self.next_setup.take()?;
-        if sensors.is_unsaved() {
+        if change.may_change_glove() && sensors.is_unsaved() {
             self.refuse(text("devices-unsaved").to_owned());
             return None;
         }
@@ -371,7 +371,7 @@ mod tests {
     use ademan_runtime::setup::Setup;
 
     #[test]
-    fn a_change_of_the_setup_waits_until_the_glove_is_saved() {
+    fn another_glove_waits_until_this_one_is_saved() {
         let setup = Setup {
             source: Some("typist:hello".parse().expect("a source")),
             output: "none".into(),
@@ -381,7 +381,7 @@ mod tests {
         let session = Session::start(setup, SessionOptions::default()).expect("a session");
         let mut sensors = SensorControl::new(session.sensors());
         let mut panels = PanelState::default();
-        let change = SetupChange::Output("none".to_owned());
+        let change = SetupChange::Glove(None);
         panels.next_setup = Some(change.clone());
         sensors.edit(|editor| editor.set_zero_count(4, 50.0));
         assert_eq!(panels.take_setup(&sensors), None);
