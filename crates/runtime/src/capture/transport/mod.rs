@@ -27,6 +27,7 @@ use super::connection::Connector;
 use super::protocol::StreamFormat;
 use super::stream::StreamSource;
 use super::{CaptureError, Source};
+use ademan_core::message::escape;
 
 pub(crate) use self::openxr::{HAS_OPENXR, describe_runtime};
 
@@ -212,6 +213,13 @@ fn check_no_question_mark(address: &str) -> Result<(), String> {
 /// Checks an address of the form `HOST:PORT`.
 fn check_socket_address(scheme: Scheme, address: &str) -> Result<(), String> {
     check_no_question_mark(address)?;
+    if let Some(authority) = address.strip_prefix("//") {
+        return Err(format!(
+            "write `{}:{}` without `//`",
+            scheme.name,
+            escape(authority.trim_end_matches('/'))
+        ));
+    }
     let port = address
         .rsplit_once(':')
         .filter(|(host, _)| !host.is_empty())

@@ -225,6 +225,12 @@ fn an_invalid_uri_names_the_nearest_valid_one() {
         ("tcp:glove:0", "a port from 1 to 65535"),
         ("tcp::4001", "write `tcp:HOST:PORT`"),
         ("udp:9000", "write `udp:ADDRESS:PORT`"),
+        (
+            "ws://127.0.0.1:9001",
+            "write `ws:127.0.0.1:9001` without `//`",
+        ),
+        ("tcp://glove:4001/", "write `tcp:glove:4001` without `//`"),
+        ("udp://127.0.0.1", "write `udp:127.0.0.1` without `//`"),
         ("stdin:now", "`stdin:` has no address"),
         ("openxr:monado", "`openxr:` has no address"),
         ("openxr:?rate_hz=0", "`0` is not a rate, write 1 to 1000"),
