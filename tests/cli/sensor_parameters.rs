@@ -225,9 +225,31 @@ fn a_typical_hysteresis_is_a_part_of_the_ranges_of_the_fingers() {
     for (value, message) in [
         ("4%", "calibrate the glove first"),
         ("30%", "expected 0 to 20 percent"),
+        ("4", "a percentage ends with `%`, such as 4%"),
+        ("4,5", "a percentage ends with `%`, such as 4%"),
     ] {
         let failed = run(glove.iter().chain(&[value]).chain(&out));
         assert_eq!(failed.code, Some(2));
         assert!(failed.err.contains(message), "{}", failed.err);
     }
+}
+
+#[test]
+fn a_percentage_lists_the_sensors_without_a_range_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let mine = folder.path().join("curls.ron");
+    let demo = ["calibrate", "--demo", "--demo-glove", "curls", "--out"];
+    run(demo.iter().chain(&[text(&mine)])).done();
+    let glove = ["calibrate", "--glove", text(&mine), "--hysteresis"];
+    let written = run(glove.iter().chain(&["4%", "--force"])).done().out;
+    let without: Vec<&str> = written
+        .lines()
+        .filter(|line| line.contains("range_counts"))
+        .collect();
+    let expected = "channels 5, 6, 7, 8, 9: no `range_counts`; the calibration got no counts of them, or found a fault";
+    assert_eq!(without, [expected]);
+    // The glove file exists and there is no terminal to ask in, but the missing recording comes first.
+    let missing = run(glove.iter().chain(&["none.mcap"]));
+    assert_eq!(missing.code, Some(2));
+    assert!(missing.err.contains("none.mcap"), "{}", missing.err);
 }

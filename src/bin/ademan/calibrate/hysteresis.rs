@@ -31,6 +31,10 @@ impl FromStr for Hysteresis {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let Some(number) = text.strip_suffix('%') else {
+            let is_number = text.trim().replace(',', ".").parse::<f64>().is_ok();
+            if is_number {
+                return Err("a percentage ends with `%`, such as 4%".to_owned());
+            }
             return Ok(Self::Measured(text.into()));
         };
         let percent = number.trim().parse().ok();
@@ -44,7 +48,6 @@ impl FromStr for Hysteresis {
 /// Writes the glove file with the hysteresis of its sensors.
 pub fn run(hysteresis: &Hysteresis, args: Args) -> Result<(), Failure> {
     let start = Start::new(glove_document(&args.load_setup()?)?)?;
-    let destination = Destination::new(args.out, &start.document, args.force)?;
     let map = &start.glove.map;
     let (found, missing) = match hysteresis {
         Hysteresis::Percent(percent) => of_ranges(map, *percent),
@@ -59,21 +62,20 @@ pub fn run(hysteresis: &Hysteresis, args: Args) -> Result<(), Failure> {
     };
     if found.is_empty() {
         return Err(Failure::wrong_use(format!(
-            "the hysteresis of no sensor is known{}; {}",
-            missing
-                .lines()
-                .next()
-                .map_or_else(String::new, |line| format!(": {line}")),
+            "the hysteresis of no sensor is known: {}",
             match hysteresis {
                 Hysteresis::Percent(_) =>
-                    "calibrate the glove first, which writes `range_counts`".to_owned(),
+                    "the glove file has no `range_counts` of a finger; calibrate the glove first, which writes them"
+                        .to_owned(),
                 Hysteresis::Measured(path) => format!(
-                    "record the cycles of docs/calibration.md#parameters-of-the-sensors as {}",
+                    "{}; record the cycles of docs/calibration.md#parameters-of-the-sensors as {}",
+                    missing.lines().next().unwrap_or_default(),
                     escape_path(path)
                 ),
             }
         )));
     }
+    let destination = Destination::new(args.out, &start.document, args.force)?;
     let mut hystereses = map.hystereses().to_vec();
     hystereses.retain(|(channel, _)| found.iter().all(|(other, _)| other != channel));
     hystereses.extend(found.iter().filter(|(_, counts)| *counts >= LEAST_COUNTS));
@@ -98,7 +100,7 @@ fn channels(map: &ChannelMap) -> Vec<usize> {
 /// Returns a part of the ranges of the finger sensors: a wrong hysteresis of the arm would move the whole hand.
 fn of_ranges(map: &ChannelMap, percent: f64) -> Found {
     let mut found = Vec::new();
-    let mut missing = String::new();
+    let mut without_range = Vec::new();
     let is_of_finger = |&channel: &usize| {
         let mut rows = map.rows().iter().filter(|row| row.channel == channel);
         rows.all(|row| row.dof.finger().is_some())
@@ -106,9 +108,17 @@ fn of_ranges(map: &ChannelMap, percent: f64) -> Found {
     for channel in channels(map).into_iter().filter(is_of_finger) {
         match map.range(channel) {
             Some((low, high)) => found.push((channel, (high - low) * percent / 100.0)),
-            None => _ = writeln!(missing, "channel {channel}: it has no range_counts"),
+            None => without_range.push(channel.to_string()),
         }
     }
+    let missing = if without_range.is_empty() {
+        String::new()
+    } else {
+        let channels = without_range.join(", ");
+        format!(
+            "channels {channels}: no `range_counts`; the calibration got no counts of them, or found a fault\n"
+        )
+    };
     (within_limit(map, found), missing)
 }
 
