@@ -272,6 +272,12 @@ fn names() -> Vec<Mistake> {
             "3:31: `Q,` is no key: keys are separated by blanks, not by commas",
         ),
         (
+            "a combination of keys",
+            key("code: \"Ctrl+V\", at_mm: (0, 0)"),
+            "4:8: `Ctrl+V` is a combination of keys, not a key: `sequences: {\"NAME\": [Tap(\"Ctrl V\")]}` presses it, \
+             and a key with `action: Sequence(\"NAME\")` starts it",
+        ),
+        (
             "a key of another program",
             key("code: \"Super_L\", at_mm: (0, 0)"),
             "4:8: unknown key `Super_L`, did you mean `MetaLeft`?",

@@ -31,6 +31,10 @@ fn an_error_in_a_sequence_has_its_position() {
             "3:6: `Ctrl,C` is no key: keys are separated by blanks, not by commas",
         ),
         (
+            "Tap(\"Ctrl+C\")".into(),
+            "3:6: `Ctrl+C` is a combination of keys, not a key: `sequences: {\"NAME\": [Tap(\"Ctrl C\")]}` presses it",
+        ),
+        (
             "Tap(\"Ctrl C Ctrl\")".into(),
             "3:13: duplicate key `Ctrl` in the tap",
         ),

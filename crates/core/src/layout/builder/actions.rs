@@ -70,6 +70,13 @@ impl<'a> LayoutBuilder<'a> {
                 let message =
                     format!("`{code}` is no key: keys are separated by blanks, not by commas");
                 self.error(code, message)
+            } else if let Some(keys) = combination(code) {
+                let message = format!(
+                    "`{code}` is a combination of keys, not a key: \
+                     `sequences: {{\"NAME\": [Tap(\"{keys}\")]}}` presses it, \
+                     and a key with `action: Sequence(\"NAME\")` starts it"
+                );
+                self.error(code, message)
             } else if error.nearest.is_none() {
                 let message = format!("{error}; `ademan layout keys` lists all keys");
                 self.error(code, message)
@@ -175,6 +182,14 @@ fn index_of_or_push(list: &mut Vec<String>, text: &str) -> usize {
         list.push(text.to_owned());
         list.len() - 1
     })
+}
+
+/// Returns the keys of a combination such as `Ctrl+V`, separated by blanks. `None` if `text` is no combination of keys.
+fn combination(text: &str) -> Option<String> {
+    let parts = text.split(['+', '-', ' ']);
+    let keys: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
+    let are_keys = keys.iter().all(|key| key.parse::<KeyCode>().is_ok());
+    (keys.len() > 1 && are_keys).then(|| keys.join(" "))
 }
 
 fn checked_latch(latch: Option<LatchSchema>) -> Latch {
