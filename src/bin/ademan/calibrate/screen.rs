@@ -17,6 +17,9 @@ use crate::view::look::Look;
 const MIN_PICTURE: u16 = 34;
 const SENSORS: u16 = 45;
 
+/// The width of the name of a joint, with a blank.
+const NAME: usize = 21;
+
 /// The width of the bar of a sensor.
 const BAR: usize = 12;
 
@@ -201,7 +204,7 @@ impl Screen<'_> {
     fn sensor(&self, map: &ChannelMap, row: &ChannelRow) -> Line<'static> {
         let mut live = self.procedure.live().iter();
         let live = live.find(|live| live.channel == row.channel);
-        let name = format!("{:<20}", row.dof.name());
+        let name = format!("{:<NAME$}", row.dof.name());
         let Some((live, count)) = live.and_then(|live| Some((live, live.count?))) else {
             return Line::styled(format!("{name}no readings"), self.look.faint());
         };
@@ -218,12 +221,10 @@ impl Screen<'_> {
         let width = |channel: &LiveChannel| channel.range.map_or(0, |(low, high)| high - low);
         live.sort_by_key(|live| std::cmp::Reverse(width(live)));
         let line = |channel: &&LiveChannel| {
-            let name = format!("channel {:<12}", channel.channel);
+            let name = format!("channel {}", channel.channel);
             let count = channel.count.unwrap_or_default();
-            Line::from(format!(
-                "{name}{} {count:>4}",
-                bar(channel, self.full_scale)
-            ))
+            let bar = bar(channel, self.full_scale);
+            Line::from(format!("{name:<NAME$}{bar} {count:>4}"))
         };
         live.iter().map(line).collect()
     }
