@@ -2,13 +2,14 @@
 
 use std::net::{SocketAddr, UdpSocket};
 use std::process::Command;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use ademan::capture::protocol::{InvalidPacket, opentrack};
 use ademan::capture::{CaptureEvent, Reading, Sample, Source, SourceEvent, open, spawn};
 use ademan::hand::{ArmBone, BoneRotations, Displacement, Joint};
 use glam::{Quat, Vec3};
 
+use crate::serial::log;
 use crate::support::free_address::free_address;
 use crate::support::python::python;
 use crate::text_line::{TIMEOUT, samples, uri};
@@ -197,6 +198,23 @@ fn a_single_datagram_of_another_sender_is_reported_without_another_one() {
     // Nothing else arrives after it.
     second.send_to(&pose, address).unwrap();
     assert_eq!(counted(capture.events().recv_timeout(TIMEOUT).unwrap()), 1);
+}
+
+#[test]
+fn an_address_without_a_datagram_gives_a_warning() {
+    log();
+    let (mut source, address) = open_at_free_port("opentrack");
+    let expected = format!("no datagram has arrived at udp:{address}?protocol=opentrack for 5 s");
+    let is_logged = || {
+        let text = String::from_utf8_lossy(&log().lock().unwrap()).into_owned();
+        text.contains(&expected)
+    };
+    assert!(!is_logged());
+    let deadline = Instant::now() + Duration::from_secs(30);
+    while !is_logged() {
+        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
+        assert!(Instant::now() < deadline, "no warning");
+    }
 }
 
 /// Sends a frame as several programs do: bones in two bundles, the last of them inside the bundle of the state, with

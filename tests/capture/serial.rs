@@ -95,7 +95,7 @@ fn next_body(source: &mut dyn Source) -> Body {
 }
 
 /// Returns the log of this process.
-fn log() -> &'static Mutex<Vec<u8>> {
+pub fn log() -> &'static Mutex<Vec<u8>> {
     static LOG: OnceLock<Mutex<Vec<u8>>> = OnceLock::new();
     LOG.get_or_init(|| {
         let writer = || LogWriter;

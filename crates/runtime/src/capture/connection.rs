@@ -41,7 +41,7 @@ pub(super) trait Connector: Clone + Send + 'static {
     /// Longest silence before the connection counts as lost. `None` for no limit.
     const IDLE_TIMEOUT: Option<Duration> = None;
 
-    /// Silence after the first connection after which a warning is due. `None` for a sender that may start whenever it likes.
+    /// Silence after the first connection after which a warning is due. `None` for no warning.
     const FIRST_BYTE_TIMEOUT: Option<Duration> = None;
 
     /// Returns the headsets that are connected, if it waits for headsets.

@@ -61,11 +61,18 @@ pub fn too_late(name: &str) {
     );
 }
 
-/// Warns that no byte has arrived for a time.
-pub fn no_byte(name: &str, time: Duration) {
-    tracing::warn!(
-        source = name,
-        "no byte has arrived from {name} for {} s; check that the board has power and sends, and that its TX is wired to RX",
-        time.as_secs()
-    );
+/// Warns that no byte, or no datagram, has arrived for a time.
+pub fn no_byte(name: &str, time: Duration, is_datagram: bool) {
+    let seconds = time.as_secs();
+    if is_datagram {
+        tracing::warn!(
+            source = name,
+            "no datagram has arrived at {name} for {seconds} s; start the program that sends, and check its address and port"
+        );
+    } else {
+        tracing::warn!(
+            source = name,
+            "no byte has arrived from {name} for {seconds} s; check that the board has power and sends, and that its TX is wired to RX"
+        );
+    }
 }

@@ -3,7 +3,7 @@
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::{Scheme, Transport, check_socket_address, listen_remedy, open_stream};
 use crate::capture::active_sender::ActiveSender;
@@ -67,6 +67,7 @@ impl Connector for UdpConnector {
     const RECONNECTS: bool = true;
     const IS_DATAGRAM: bool = true;
     const HAS_SENDERS: bool = true;
+    const FIRST_BYTE_TIMEOUT: Option<Duration> = Some(Duration::from_secs(5));
     /// More than the longest datagram.
     const READ_BYTES: usize = 1 << 16;
 
