@@ -265,7 +265,12 @@ fn sources_outputs_and_gloves_are_listed_with_an_example() {
     let outputs: serde_json::Value = serde_json::from_str(&outputs).unwrap();
     assert_eq!(outputs[1]["name"], "desktop");
     let gloves = run(["gloves"]).done().out;
-    assert!(gloves.contains("--glove unam-hc11-left"), "{gloves}");
+    for example in [
+        "--source serial:/dev/ttyUSB0 --glove unam-hc11-left\n",
+        "--source 'serial:/dev/ttyUSB0?protocol=lucidgloves' --glove lucidgloves-left\n",
+    ] {
+        assert!(gloves.contains(example), "{gloves}");
+    }
     let refused = run(["man"]);
     assert_eq!(refused.code, Some(2), "{}", refused.out);
 }

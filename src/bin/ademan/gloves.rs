@@ -1,5 +1,6 @@
 //! `ademan gloves`: the glove files that come with the program.
 
+use ademan::capture::protocol::lucidgloves;
 use ademan::document::{Document, FileKind, shipped_gloves};
 use ademan::files::{OpenDocument, own_gloves};
 use ademan::layout::Glove;
@@ -24,15 +25,19 @@ pub fn run(args: Args) -> Result<(), Failure> {
     });
     let rows = shipped.chain(own).map(|(name, document)| {
         let glove = document.and_then(|document| Glove::parse(&document));
+        let full_scale = glove.as_ref().ok().map(|it| it.map.full_scale());
+        let source = if full_scale == Some(lucidgloves::FULL_SCALE) {
+            "'serial:/dev/ttyUSB0?protocol=lucidgloves'"
+        } else {
+            "serial:/dev/ttyUSB0"
+        };
+        let example = format!("ademan run --source {source} --glove {}", shell_word(&name));
         Ok(Row {
             summary: glove.map_or_else(
                 |error| format!("invalid: {}", error.message()),
                 |it| it.name,
             ),
-            example: Some(format!(
-                "ademan run --source serial:/dev/ttyUSB0 --glove {}",
-                shell_word(&name)
-            )),
+            example: Some(example),
             name,
         })
     });
