@@ -223,10 +223,15 @@ fn without_a_device_the_simulated_hand_types() {
     );
     let next = "practice:  ademan practice --layout numpad\n";
     assert!(ended.out.contains(next), "{}", ended.out);
+    assert!(!ended.out.contains("left"), "{}", ended.out);
     assert!(
         !folder.path().join("config").exists(),
         "no setup is written"
     );
+    let arguments = ["--simulated", "--no-practice", "--yes", "--hand", "left"];
+    let left = run(&folder, &arguments).done().out;
+    assert!(left.contains("a right hand is simulated here"), "{left}");
+    assert!(left.contains("--glove unam-hc11-left"), "{left}");
     let absent = run(&folder, &["--port", "/dev/ttyNOWHERE"]);
     assert_eq!(absent.code, Some(2));
     assert!(

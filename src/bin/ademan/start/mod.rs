@@ -104,14 +104,21 @@ pub fn run(args: Args) -> Result<(), Failure> {
     )?)
 }
 
+/// The commands that show a left hand, as the simulated hand of the first start is a right one.
+const LEFT_HAND: &str = "a right hand is simulated here; for a left one: \
+    ademan layout new mine --mirror && ademan practice --layout mine.ron --glove unam-hc11-left";
+
 /// Shows the simulated hand on a layout, and the commands for a device.
 fn try_simulated(args: &Args, questions: &Questions) -> Result<(), Failure> {
     let layout = layout::choose(args.layout.as_deref(), &Setup::default(), questions)?;
     let word = shell_word(&layout).into_owned();
+    let mut out = io::stdout();
+    if args.hand == Some(Side::Left) {
+        writeln!(out, "{LEFT_HAND}")?;
+    }
     if !args.no_practice {
         practice::run(practice::Args::for_setup(None, Some(layout)))?;
     }
-    let mut out = io::stdout();
     writeln!(out, "practice:  ademan practice --layout {word}")?;
     let next = "with a device: connect it, then `ademan start`";
     Ok(writeln!(out, "{next}")?)
