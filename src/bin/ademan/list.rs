@@ -7,6 +7,7 @@ use serde::Serialize;
 use ademan::message::{escape, escape_json, escape_line};
 
 use crate::failure::Failure;
+use crate::messages;
 
 /// A line of a list.
 #[derive(Serialize)]
@@ -36,15 +37,46 @@ impl ListArgs {
             let json = serde_json::to_string_pretty(rows).map_err(io::Error::from)?;
             return Ok(writeln!(out, "{}", escape_json(&json))?);
         }
-        let names: Vec<_> = rows.iter().map(|row| escape(&row.name)).collect();
-        let longest = names.iter().map(|name| name.chars().count()).max();
-        let width = longest.unwrap_or_default();
-        for (row, name) in rows.iter().zip(names) {
-            writeln!(out, "{name:width$}  {}", escape_line(&row.summary))?;
-            if let Some(example) = &row.example {
-                writeln!(out, "{:width$}    {}", "", escape_line(example))?;
-            }
+        let columns = messages::output_columns().unwrap_or_default();
+        Ok(out.write_all(table(rows, columns).as_bytes())?)
+    }
+}
+
+/// Returns a line for each row, and one for its example. Summaries break between words within `columns`, 0 for no limit; an
+/// example stays one line, which can be copied.
+fn table(rows: &[Row], columns: usize) -> String {
+    let names: Vec<_> = rows.iter().map(|row| escape(&row.name)).collect();
+    let longest = names.iter().map(|name| name.chars().count()).max();
+    let width = longest.unwrap_or_default();
+    let mut text = String::new();
+    for (row, name) in rows.iter().zip(names) {
+        let name = format!("{name:width$}  ");
+        text += &messages::row(&name, &escape_line(&row.summary), columns);
+        text.push('\n');
+        if let Some(example) = &row.example {
+            text += &format!("{:width$}    {}\n", "", escape_line(example));
         }
-        Ok(())
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn summaries_break_between_words_and_examples_stay_whole() {
+        let rows = [Row {
+            name: "typist:TEXT".to_owned(),
+            summary: "simulated hand that types the text, through the bytes of a protocol"
+                .to_owned(),
+            example: Some("ademan run --source 'typist:hello?protocol=text-line'".to_owned()),
+        }];
+        let example = "               ademan run --source 'typist:hello?protocol=text-line'\n";
+        let narrow = "typist:TEXT  simulated hand that types the text,\n             through the bytes of a protocol\n";
+        assert_eq!(table(&rows, 50), format!("{narrow}{example}"));
+        let whole = format!("typist:TEXT  {}\n{example}", rows[0].summary);
+        assert_eq!(table(&rows, 0), whole);
+        assert_eq!(table(&rows, 100), whole);
     }
 }
