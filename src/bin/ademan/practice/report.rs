@@ -13,6 +13,7 @@ use super::history::{Progress, SessionResult, rounded};
 use super::lesson::{ChordLegend, Lesson};
 use super::line::{CharacterScore, PracticeLine, errors, names};
 use crate::failure::Failure;
+use crate::messages;
 
 /// Characters of the list of the worst ones.
 const MAX_WORST: usize = 5;
@@ -147,26 +148,30 @@ impl Report {
         } else {
             ""
         };
+        let columns = messages::output_columns().unwrap_or_default();
+        let row = |name: &str, words: &str| messages::row(name, words, columns);
         writeln!(out, "text       {}", escape(&score.presented))?;
         writeln!(out, "typed      {}", escape(&score.typed))?;
-        writeln!(
-            out,
-            "speed      {:.1} words/min of correct text in {:.1} s{is_simulated}",
+        let speed = format!(
+            "{:.1} words/min of correct text in {:.1} s{is_simulated}",
             score.words_per_minute, self.seconds
-        )?;
-        writeln!(out, "quality    {}", errors(score.error_rate, score.edits))?;
+        );
+        writeln!(out, "{}", row("speed      ", &speed))?;
+        let quality = errors(score.error_rate, score.edits);
+        writeln!(out, "{}", row("quality    ", &quality))?;
         let worst: Vec<String> = self.worst().map(in_words).collect();
         if worst.is_empty() {
             writeln!(out, "worst keys none")?
         } else {
-            writeln!(out, "worst keys {}", worst.join(", "))?
+            writeln!(out, "{}", row("worst keys ", &worst.join(", ")))?
         }
         let chords: Vec<String> = self
             .chord_scores()
             .map(CharacterScore::correct_of)
             .collect();
         if !chords.is_empty() {
-            writeln!(out, "chords     {} (correct of all)", chords.join(", "))?;
+            let chords = format!("{} (correct of all)", chords.join(", "));
+            writeln!(out, "{}", row("chords     ", &chords))?;
         }
         if io::stdout().is_terminal() && !worst.is_empty() {
             let drawing = heat::draw(&self.layout, &self.characters, self.finds_letters);
