@@ -97,6 +97,9 @@ fn a_left_handed_check_is_left_handed_and_a_mirrored_layout_passes_it() {
         "{}",
         typed.out
     );
+    let other_hand = run(["run", "--source", "typist:hi", "--layout", &mine]);
+    let remedy = "name a glove of that hand, such as `unam-hc11-left`";
+    assert!(other_hand.err.contains(remedy), "{}", other_hand.err);
 }
 
 #[test]

@@ -373,7 +373,8 @@ impl LoadedSetup {
                 target: Some(target),
                 ..
             } => format!(
-                "`{}` is reserved for the other hand; add an `other_hand` to the setup",
+                "`{}` is reserved for the other hand; name a glove of that hand, such as `unam-hc11-left`, or add an \
+                 `other_hand` to the setup",
                 name(*target)
             ),
             ActionErrorKind::WouldPress { finger, target } => format!(
