@@ -120,7 +120,13 @@ impl From<serde_json::Error> for PacketError {
             _ if text.starts_with("invalid length") => InvalidPacket::WrongSize,
             _ => InvalidPacket::Unknown,
         };
-        Self { reason, text }
+        // The time is the only whole number of 64 bits in a line.
+        let advice = if text.contains("expected u64") {
+            "; `time_us` is a whole number of microseconds"
+        } else {
+            ""
+        };
+        Self::new(reason, text + advice)
     }
 }
 
@@ -147,6 +153,18 @@ mod tests {
             let error = serde_json::from_str::<[f64; 3]>(json).expect_err("an invalid packet");
             assert_eq!(PacketError::from(error).reason, reason, "{json}");
         }
+    }
+
+    #[test]
+    fn a_time_that_is_no_whole_number_has_a_remedy() {
+        for json in ["2.5", "-1", "\"12\""] {
+            let error = serde_json::from_str::<Option<u64>>(json).expect_err("no time");
+            let text = PacketError::from(error).to_string();
+            let remedy = "; `time_us` is a whole number of microseconds";
+            assert!(text.ends_with(remedy), "{text}");
+        }
+        let error = serde_json::from_str::<f64>("\"12\"").expect_err("no number");
+        assert!(!PacketError::from(error).to_string().contains("time_us"));
     }
 
     #[test]
