@@ -186,7 +186,7 @@ impl fmt::Display for Notice {
             }
             Self::Dropped(count) => write!(
                 f,
-                "{} dropped: this machine is too busy",
+                "{} dropped: this machine is too busy, or the program was stopped",
                 counted(*count, "reading")
             ),
             Self::DroppedPresses(count) => write!(
