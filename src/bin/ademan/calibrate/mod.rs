@@ -21,7 +21,7 @@ use ademan::capture::SourceUri;
 use ademan::document::Document;
 use ademan::hand::Side;
 use ademan::layout::{self, Glove};
-use ademan::message::escape_path;
+use ademan::message::{escape_path, shell_word};
 use ademan::setup::LoadedSetup;
 use ademan::sim::{HomeMadeGlove, SimulatedWearer};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -228,7 +228,12 @@ fn calibrate_live(args: Args) -> Result<Outcome, Failure> {
         print_setup_fields(&escape_path(destination.path()), lengths)?;
         let file = destination.as_word();
         let mut out = io::stdout();
-        writeln!(out, "use it: ademan run --glove {file} --source …")?;
+        let source = args.source.as_ref().filter(|_| args.demo.is_none());
+        let word = source.map_or_else(
+            || "…".to_owned(),
+            |uri| shell_word(&uri.to_string()).into_owned(),
+        );
+        writeln!(out, "use it: ademan run --glove {file} --source {word}")?;
         if start.glove.map.hystereses().is_empty() && !start.glove.map.uses_full_range() {
             writeln!(
                 out,
