@@ -56,6 +56,10 @@ fn files_that_are_no_model_and_lines_that_are_no_taps_are_refused() {
     let ended = decode(&foreign, "");
     assert_eq!(ended.code, Some(2));
     assert!(ended.err.contains("no language model"), "{}", ended.err);
+    let unknown = decode("fr", "");
+    assert_eq!(unknown.code, Some(2));
+    let languages = "cannot read fr: there is no such file; the languages are `en` and `es`";
+    assert!(unknown.err.contains(languages), "{}", unknown.err);
     let absent = decode("absent.adm", "");
     assert!(
         absent.err.contains("cannot read absent.adm"),

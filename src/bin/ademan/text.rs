@@ -164,6 +164,13 @@ fn decode(name: &str, layout: &str) -> Result<(), Failure> {
     let bytes = match name {
         "en" => languages::ENGLISH,
         "es" => languages::SPANISH,
+        absent if !Path::new(absent).exists() => {
+            return Err(Failure::wrong_use(format!(
+                "cannot read {}: there is no such file; the languages are `en` and `es`, and `ademan text build` makes a \
+                 model of another one",
+                escape(absent)
+            )));
+        }
         path => {
             file = read_bytes(Path::new(path))?;
             &file
