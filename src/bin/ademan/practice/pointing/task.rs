@@ -21,7 +21,7 @@ const RING: Ring = Ring {
 };
 
 /// Columns and rows of the picture.
-const COLUMNS: usize = 64;
+const COLUMNS: usize = 60;
 const ROWS: usize = 17;
 
 /// The pointer among the targets, and the movements so far.
