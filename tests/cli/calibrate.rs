@@ -259,6 +259,10 @@ fn typed_lengths_are_checked_and_give_the_line_for_the_setup() {
             "'301' for '--hand-length <MM>': it is 100 to 300 mm",
         ),
         (
+            &["--hand-length", "18.9", "--forearm-length", "26.2"],
+            "'18.9' for '--hand-length <MM>': it is 100 to 300 mm; 18.9 cm are 189 mm",
+        ),
+        (
             &["--hand-length", "262", "--forearm-length", "189"],
             "with this hand it is 236 to 472 mm long; check that they are not exchanged",
         ),

@@ -188,5 +188,11 @@ pub fn number_in(text: &str, min: f64, max: f64, unit: &str) -> Result<f64, Stri
     if (min..=max).contains(&number) {
         return Ok(number);
     }
-    Err(format!("it is {min} to {max} {unit}"))
+    let tenfold = number * 10.0;
+    let advice = if unit == "mm" && (min..=max).contains(&tenfold) {
+        format!("; {number} cm are {tenfold:.0} mm")
+    } else {
+        String::new()
+    };
+    Err(format!("it is {min} to {max} {unit}{advice}"))
 }
