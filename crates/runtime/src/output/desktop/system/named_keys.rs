@@ -90,6 +90,14 @@ fn named(key: KeyCode) -> Option<Key> {
         "F10" => Key::F10,
         "F11" => Key::F11,
         "F12" => Key::F12,
+        "F13" => Key::F13,
+        "F14" => Key::F14,
+        "F15" => Key::F15,
+        "F16" => Key::F16,
+        "F17" => Key::F17,
+        "F18" => Key::F18,
+        "F19" => Key::F19,
+        "F20" => Key::F20,
         _ => return key.us_character(false).map(Key::Unicode),
     };
     Some(named)
@@ -107,6 +115,10 @@ pub const WINDOWS_KEY_CODES: &[(u16, u32)] = &[
     (126, 0x5c), // MetaRight
     (127, 0x5d), // ContextMenu
     (166, 0xb2), // MediaStop
+    (191, 0x84), // F21
+    (192, 0x85), // F22
+    (193, 0x86), // F23
+    (194, 0x87), // F24
 ];
 
 /// Virtual-key codes of macOS (`kVK_*` of `HIToolbox/Events.h`), by Linux event code.
@@ -132,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn windows_has_every_key_and_macos_all_but_five() {
+    fn windows_has_every_key_and_macos_all_but_nine() {
         assert_eq!(missing(WINDOWS_KEY_CODES), [""; 0]);
         let not_on_macos = [
             "ScrollLock",
@@ -140,6 +152,10 @@ mod tests {
             "Pause",
             "ContextMenu",
             "MediaStop",
+            "F21",
+            "F22",
+            "F23",
+            "F24",
         ];
         assert_eq!(missing(MACOS_KEY_CODES), not_on_macos);
     }
