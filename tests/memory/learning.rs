@@ -23,7 +23,9 @@ fn ranges_are_learned_and_unlearned_without_allocation() {
     let channel = row.expect("a sensor").channel;
     let count = f64::from(clear[channel]);
     let ranges = vec![(channel, (count - 40.0, count + 2.0))];
-    glove.map = glove.map.clone().with_ranges(ranges);
+    let map = glove.map.clone().with_ranges(ranges);
+    // The compensation of its hysteresis does not allocate, either.
+    glove.map = map.with_hystereses(vec![(channel, 4.0)]);
     let mut stretched = clear;
     stretched[channel] += 6;
     let readings: Vec<Reading> = (1..=1_200)
