@@ -48,6 +48,10 @@ fn arguments_of_a_wrong_kind_are_named_and_what_exists_is_listed() {
         "ctl nudge a b c",
         &["invalid value 'a' for '<x_mm>'", number],
     );
+    refused(
+        "ctl nudge 0 0 -5cm",
+        &["invalid value '-5cm' for '<z_mm>'", number],
+    );
     for text in ["NaN", "inf", "1e400"] {
         refused(&format!("ctl scale {text}"), &[number]);
     }

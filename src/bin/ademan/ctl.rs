@@ -100,7 +100,8 @@ fn subcommand(spec: &CommandSpec) -> Command {
         let arg = Arg::new(field.name).help(field.summary).required(true);
         match field.kind {
             FieldKind::Number { .. } | FieldKind::Whole { .. } => {
-                arg.value_parser(number).allow_negative_numbers(true)
+                // A value such as -5cm is refused as a number, not as an unknown option.
+                arg.value_parser(number).allow_hyphen_values(true)
             }
             FieldKind::Name => arg,
             FieldKind::OneOf(words) => arg.value_parser(words.to_vec()),
