@@ -74,13 +74,17 @@ pub enum FileError {
     #[error("this file has {0} names (hard links), use one that has a single name")]
     HardLinks(u64),
     /// Other users may change what is read.
-    #[error("other users may write this file; `chmod go-w` makes it yours alone")]
-    OthersMayWrite,
-    /// Other users may replace the file by another one.
     #[error(
-        "other users may replace this file, as they may write to its folder; `chmod go-w` makes the folder yours alone, or copy the file to such a folder"
+        "other users may write this file; `chmod go-w {path}` makes it yours alone",
+        path = shell_word(&.0.to_string_lossy())
     )]
-    OthersMayReplace,
+    OthersMayWrite(PathBuf),
+    /// Other users may replace the file by another one, as they may write to this folder.
+    #[error(
+        "other users may replace this file, as they may write to its folder; `chmod go-w {path}` makes the folder yours alone, or copy the file to such a folder",
+        path = shell_word(&.0.to_string_lossy())
+    )]
+    OthersMayReplace(PathBuf),
     /// Other users may access the folder.
     #[error(
         "other users may access {}; restrict it to yourself: chmod 700 {}",
@@ -128,7 +132,7 @@ fn open_checked(path: &Path, found: &Metadata) -> Result<Option<File>, FileError
     if !system::is_same_file(found, &metadata) {
         return Ok(None);
     }
-    system::check_writers(&metadata)?;
+    system::check_writers(path, &metadata)?;
     Ok(Some(file))
 }
 

@@ -151,8 +151,23 @@ fn a_file_is_trusted_if_no_other_user_can_write_or_replace_it() {
     set(&inner, 0o777);
     assert!(matches!(
         open_trusted(&path),
-        Err(FileError::OthersMayReplace)
+        Err(FileError::OthersMayReplace(shared)) if shared == inner
     ));
+}
+
+#[test]
+fn the_refusal_of_a_file_that_others_may_change_names_the_command_against_it() {
+    let folder = Folder::new();
+    let path = folder.file("my layout", 0o666);
+    let refused = || open_trusted(&path).unwrap_err().to_string();
+    let command = |target: &Path| format!("`chmod go-w '{}'` makes", target.display());
+    assert!(refused().contains(&command(&path)), "{}", refused());
+    let shared = folder.at("its folder");
+    fs::create_dir(&shared).unwrap();
+    fs::set_permissions(&shared, Permissions::from_mode(0o777)).unwrap();
+    fs::rename(&path, shared.join("layout")).unwrap();
+    symlink(shared.join("layout"), &path).unwrap();
+    assert!(refused().contains(&command(&shared)), "{}", refused());
 }
 
 #[test]

@@ -113,11 +113,11 @@ pub fn check_owner(metadata: &Metadata) -> Result<(), FileError> {
     }
 }
 
-/// Checks that only the user of this process and root decide on the content of a file.
-pub fn check_writers(metadata: &Metadata) -> Result<(), FileError> {
+/// Checks that only the user of this process and root decide on the content of the file at `path`.
+pub fn check_writers(path: &Path, metadata: &Metadata) -> Result<(), FileError> {
     check_trusted_owner(metadata)?;
     if is_writable_by_others(metadata) {
-        Err(FileError::OthersMayWrite)
+        Err(FileError::OthersMayWrite(path.into()))
     } else {
         Ok(())
     }
@@ -129,7 +129,7 @@ pub fn check_way(path: &Path) -> Result<Metadata, FileError> {
     let mut place = path.to_path_buf();
     for _ in 0..=MAX_LINKS {
         let metadata = fs::symlink_metadata(&place)?;
-        check_folder_writers(&fs::metadata(folder_of(&place))?)?;
+        check_folder_writers(folder_of(&place))?;
         if !metadata.is_symlink() {
             return Ok(metadata);
         }
@@ -142,9 +142,10 @@ pub fn check_way(path: &Path) -> Result<Metadata, FileError> {
 }
 
 /// Checks that only the user of this process and root can replace their files in a folder.
-fn check_folder_writers(metadata: &Metadata) -> Result<(), FileError> {
-    if is_writable_by_others(metadata) && metadata.mode() & STICKY == 0 {
-        Err(FileError::OthersMayReplace)
+fn check_folder_writers(folder: &Path) -> Result<(), FileError> {
+    let metadata = fs::metadata(folder)?;
+    if is_writable_by_others(&metadata) && metadata.mode() & STICKY == 0 {
+        Err(FileError::OthersMayReplace(folder.into()))
     } else {
         Ok(())
     }

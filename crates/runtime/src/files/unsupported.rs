@@ -38,7 +38,7 @@ pub fn check_owner(_: &Metadata) -> Result<(), FileError> {
     Ok(())
 }
 
-pub fn check_writers(_: &Metadata) -> Result<(), FileError> {
+pub fn check_writers(_: &Path, _: &Metadata) -> Result<(), FileError> {
     Ok(())
 }
 
