@@ -2,7 +2,7 @@
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ademan::capture::protocol::joint_sets::{self, WEBXR};
 use ademan::capture::{CaptureError, Source, SourceEvent, open};
@@ -13,6 +13,7 @@ use tungstenite::protocol::frame::Frame;
 use tungstenite::protocol::frame::coding::{Data, OpCode};
 use tungstenite::{Message, WebSocket};
 
+use crate::serial::log;
 use crate::support::free_address::free_address;
 use crate::support::source::next_within;
 
@@ -115,6 +116,24 @@ fn pages_of_other_sites_and_other_host_names_are_refused() {
     let mut page = connect(address, &[("Origin", "http://localhost:8000")]).expect("admitted");
     send(&mut page, line(0.25));
     assert_eq!(next_wrist(&mut *source), 0.25);
+}
+
+#[test]
+fn an_address_without_a_message_gives_a_warning() {
+    log();
+    let (mut source, address) = source("");
+    let _client = connect(address, &[]).expect("a client that sends nothing");
+    let expected = format!("no message has arrived at ws:{address}?protocol=webxr for 5 s");
+    let is_logged = || {
+        let text = String::from_utf8_lossy(&log().lock().unwrap()).into_owned();
+        text.contains(&expected)
+    };
+    assert!(!is_logged());
+    let deadline = Instant::now() + TIMEOUT;
+    while !is_logged() {
+        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
+        assert!(Instant::now() < deadline, "no warning");
+    }
 }
 
 #[test]

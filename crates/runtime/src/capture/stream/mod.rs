@@ -265,7 +265,7 @@ impl<C: Connector> StreamSource<C> {
             && self.last_received.elapsed() >= timeout
         {
             self.has_first_byte = true;
-            warnings::no_byte(&self.name, timeout, C::IS_DATAGRAM);
+            warnings::no_byte::<C>(&self.name, timeout);
         }
         match C::IDLE_TIMEOUT {
             Some(timeout) if self.last_received.elapsed() >= timeout => {

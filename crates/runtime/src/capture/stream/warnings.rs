@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use crate::capture::connection::Connector;
 use crate::capture::garbage::GarbageDetector;
 use crate::capture::protocol::{PacketError, StreamFormat};
 use ademan_core::message::escape;
@@ -61,18 +62,27 @@ pub fn too_late(name: &str) {
     );
 }
 
-/// Warns that no byte, or no datagram, has arrived for a time.
-pub fn no_byte(name: &str, time: Duration, is_datagram: bool) {
-    let seconds = time.as_secs();
-    if is_datagram {
-        tracing::warn!(
-            source = name,
-            "no datagram has arrived at {name} for {seconds} s; start the program that sends, and check its address and port"
-        );
+/// Warns that no byte, datagram or message has arrived for a time.
+pub fn no_byte<C: Connector>(name: &str, time: Duration) {
+    let (missing, advice) = if C::IS_DATAGRAM {
+        (
+            "no datagram has arrived at",
+            "start the program that sends, and check its address and port",
+        )
+    } else if C::HAS_SENDERS {
+        (
+            "no message has arrived at",
+            "start the program or open the page that sends, and check its address and port",
+        )
     } else {
-        tracing::warn!(
-            source = name,
-            "no byte has arrived from {name} for {seconds} s; check that the board has power and sends, and that its TX is wired to RX"
-        );
-    }
+        (
+            "no byte has arrived from",
+            "check that the board has power and sends, and that its TX is wired to RX",
+        )
+    };
+    tracing::warn!(
+        source = name,
+        "{missing} {name} for {} s; {advice}",
+        time.as_secs()
+    );
 }

@@ -17,6 +17,7 @@ pub(crate) use admission::Admission;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::net::TcpListener;
 use std::sync::Arc;
+use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError};
 
@@ -93,6 +94,7 @@ impl Connector for WebSocketConnector {
     const IS_LIVE: bool = true;
     const RECONNECTS: bool = true;
     const HAS_SENDERS: bool = true;
+    const FIRST_BYTE_TIMEOUT: Option<Duration> = Some(Duration::from_secs(5));
 
     fn connect(&mut self) -> std::result::Result<Connection, ConnectError> {
         let server = match &self.server {
