@@ -5,8 +5,9 @@ use std::net::{TcpListener, UdpSocket};
 
 use ademan::capture::protocol::StreamFormat;
 use ademan::capture::protocol::lucidgloves::{FULL_SCALE, Fields, PROTOCOL};
-use ademan::capture::{Sample, open, open_loopback};
+use ademan::capture::{Sample, SourceEvent, open, open_loopback};
 
+use crate::serial::log;
 use crate::support::free_address::free_address;
 use crate::support::lucidgloves::chords;
 use crate::text_line::{samples, uri};
@@ -64,4 +65,28 @@ fn datagrams_of_a_glove_are_whole_packets_and_cut_ones_are_dropped() {
     }
     assert_eq!(samples(&mut *source, expected.len()), expected);
     assert_eq!(source.stats().skipped_bytes, lines[0].len() as u64 + 3);
+}
+
+#[test]
+fn counts_of_ten_bits_that_are_read_as_twelve_bits_give_one_warning() {
+    log();
+    let folder = tempfile::tempdir().expect("a folder");
+    let warnings = |name: &str, divisor: i64, option: &str| {
+        let lines = chords().into_iter().map(|mut fields| {
+            fields.curls = fields.curls.map(|curl| curl.map(|count| count / divisor));
+            fields.encode()
+        });
+        let path = folder.path().join(name);
+        std::fs::write(&path, lines.collect::<String>().repeat(6)).expect("space");
+        let address = format!("file:{}?protocol=lucidgloves{option}", path.display());
+        let mut source = open(&uri(&address)).expect("it opens");
+        while source.next().expect("lines") != SourceEvent::End {}
+        assert!(source.stats().readings > 1000);
+        let text = String::from_utf8_lossy(&log().lock().unwrap()).into_owned();
+        let is_warning = |line: &&str| line.contains(&address) && line.contains("`max=1023`");
+        text.lines().filter(is_warning).count()
+    };
+    assert_eq!(warnings("ten-bits", 4, ""), 1);
+    assert_eq!(warnings("ten-bits-stated", 4, "&max=1023"), 0);
+    assert_eq!(warnings("twelve-bits", 1, ""), 0);
 }

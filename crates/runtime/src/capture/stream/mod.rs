@@ -2,6 +2,7 @@
 
 mod bit_rate;
 mod feedback_line;
+mod low_counts;
 mod pending;
 pub(super) mod unknown_bytes;
 mod warnings;
@@ -93,7 +94,7 @@ impl<C: Connector> StreamSource<C> {
             decoder,
             format_error: None,
             buffer: vec![0; C::READ_BYTES],
-            pending: PendingReadings::new(max_packets, C::IS_LIVE),
+            pending: PendingReadings::new(max_packets, C::IS_LIVE, &format),
             format,
             unknown: UnknownBytes::new(C::IS_DATAGRAM),
             has_first_byte: false,
@@ -185,7 +186,7 @@ impl<C: Connector> StreamSource<C> {
         self.has_first_byte = true;
         let received = self.decoder.stats().bytes + length as u64;
         let (format, pending) = (&self.format, &mut self.pending);
-        let (mut has_packet, was_late) = (false, pending.is_late);
+        let mut has_packet = false;
         let mut emit = |packet| {
             has_packet = true;
             pending.push(packet, now, received, format);
@@ -206,9 +207,7 @@ impl<C: Connector> StreamSource<C> {
                 self.pending.note_refused(now, self.decoder.stats().invalid);
             }
         }
-        if self.pending.is_late && !was_late {
-            warnings::too_late(&self.name);
-        }
+        self.pending.warn(&self.name);
         if C::IS_LIVE && self.decoder.take_restart() {
             self.losses += 1;
             return Err(CaptureError::Interrupted {

@@ -3,6 +3,8 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
+use super::low_counts::LowCounts;
+use super::warnings;
 use crate::capture::packet_clock::PacketClock;
 use crate::capture::protocol::{InvalidPacket, InvalidPackets, Packet, StreamFormat};
 use crate::capture::sender_clock::SenderClock;
@@ -19,12 +21,17 @@ pub struct PendingReadings {
     /// Number of packets so far that the decoder has refused, as they state much earlier times than a packet before them.
     earlier: u64,
     /// `true` if the latest reading was too old.
-    pub is_late: bool,
+    is_late: bool,
+    /// `true` if it was at the latest call of [`warn`](Self::warn).
+    was_late: bool,
+    low_counts: LowCounts,
+    /// `true` if a warning about the counts is due.
+    has_low_counts: bool,
 }
 
 impl PendingReadings {
-    /// Creates an empty queue with room for this number of readings.
-    pub fn new(capacity: usize, is_live: bool) -> Self {
+    /// Creates an empty queue of a stream with room for this number of readings.
+    pub fn new(capacity: usize, is_live: bool, format: &StreamFormat) -> Self {
         Self {
             readings: VecDeque::with_capacity(capacity),
             clock: PacketClock::new(is_live),
@@ -32,6 +39,9 @@ impl PendingReadings {
             too_old: InvalidPackets::default(),
             earlier: 0,
             is_late: false,
+            was_late: false,
+            low_counts: LowCounts::new(format),
+            has_low_counts: false,
         }
     }
 
@@ -44,6 +54,7 @@ impl PendingReadings {
                 return;
             }
         }
+        self.has_low_counts |= self.low_counts.update(&packet.sample);
         let bytes_after = received.saturating_sub(packet.end) as usize;
         self.readings.push_back(Reading {
             time: self.clock.stamp(now, bytes_after, format, packet.time),
@@ -62,6 +73,17 @@ impl PendingReadings {
             sender.note_refused(now);
         }
         self.earlier = earlier;
+    }
+
+    /// Warns if readings began to be too old since the latest call, and if their counts are too low.
+    pub fn warn(&mut self, name: &str) {
+        if self.is_late && !self.was_late {
+            warnings::too_late(name);
+        }
+        self.was_late = self.is_late;
+        if std::mem::take(&mut self.has_low_counts) {
+            warnings::low_counts(name);
+        }
     }
 
     pub fn pop(&mut self) -> Option<SourceEvent> {

@@ -62,6 +62,15 @@ pub fn too_late(name: &str) {
     );
 }
 
+/// Warns that the counts of fingers look like counts of a converter with fewer bits than the source states.
+pub fn low_counts(name: &str) {
+    tracing::warn!(
+        source = name,
+        "no finger of {name} has a count above 1023 of 4095; if the converter of the glove has 10 bits, as on an Arduino Nano, add \
+         `max=1023` to the source, and repeat a calibration that was made without it"
+    );
+}
+
 /// Warns that no byte, datagram or message has arrived for a time.
 pub fn no_byte<C: Connector>(name: &str, time: Duration) {
     let (missing, advice) = if C::IS_DATAGRAM {

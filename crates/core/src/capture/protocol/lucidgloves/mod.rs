@@ -51,7 +51,8 @@ pub const PROTOCOL: Protocol = Protocol {
     },
 };
 
-const MAX: ProtocolOption = ProtocolOption {
+/// The option for the largest value of the converter.
+pub const MAX: ProtocolOption = ProtocolOption {
     name: "max",
     default: "4095",
     summary: "largest value of the converter: 4095 on an ESP32, 1023 on an AVR such as the Arduino Nano",
