@@ -29,6 +29,24 @@ fn a_glove_that_measures_no_arm_is_told_the_layouts_below_its_fingers() {
 }
 
 #[test]
+fn a_webcam_is_told_which_layouts_need_the_elbow() {
+    let folder = tempfile::tempdir().unwrap();
+    let webcam = "Setup(source: \"udp:127.0.0.1:9000?protocol=hand-landmarks\")";
+    let setup = file(&folder, "setup.ron", webcam);
+    let check = |layout: &str| {
+        run(["layout", "check", layout, "--setup", &setup])
+            .done()
+            .err
+    };
+    for layout in ["direct", "joint", "space"] {
+        let expected = format!("warning: {layout}: the layout needs the elbow, which `udp:");
+        let message = check(layout);
+        assert!(message.contains(&expected), "{message}");
+    }
+    assert_eq!(check("webcam-mouse"), "");
+}
+
+#[test]
 fn a_board_that_is_too_near_is_said_to_be_too_near() {
     let folder = tempfile::tempdir().unwrap();
     let board = |pose: &str| {

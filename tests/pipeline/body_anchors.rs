@@ -253,6 +253,63 @@ fn a_source_that_does_not_measure_the_point_is_named_with_what_to_do() {
     }
 }
 
+#[test]
+fn a_webcam_that_shows_no_elbow_is_named_with_the_layouts_that_need_it() {
+    const WEBCAM: &str = "stdin:?protocol=hand-landmarks";
+    let reason = |layout: &str, source: &str, arm: Option<&str>| {
+        let written = Setup {
+            layout: layout.to_owned(),
+            source: Some(source.parse().expect("a source")),
+            arm_source: arm.map(|arm| arm.parse().expect("a source")),
+            ..Setup::default()
+        };
+        let loaded = written.load_files().expect("a shipped layout");
+        loaded.unmeasured_elbow(&loaded.layout)
+    };
+    for (layout, advice) in [
+        ("direct", "anchor: start"),
+        ("space", "anchor: start"),
+        ("joint", "arm_source"),
+    ] {
+        let found = reason(layout, WEBCAM, None).unwrap_or_default();
+        for part in ["hand-landmarks` does not measure", advice] {
+            assert!(found.contains(part), "{layout}: {found}");
+        }
+        for (source, arm) in [
+            (WEBCAM, Some("udp:127.0.0.1:9001?protocol=body-landmarks")),
+            ("stdin:?protocol=holistic", None),
+            ("stdin:?protocol=body-landmarks", None),
+            ("stdin:?protocol=openxr", None),
+            ("stdin:?protocol=hc11", None),
+            ("typist:a?protocol=hand-landmarks&camera=head", None),
+        ] {
+            assert_eq!(reason(layout, source, arm), None, "{layout} {source}");
+        }
+    }
+    let on_head = format!("{WEBCAM}&camera=head");
+    assert_eq!(reason("direct", &on_head, None), None);
+    for layout in ["webcam-mouse", "webcam-qwerty", "ray", "qwerty-flat"] {
+        assert_eq!(reason(layout, WEBCAM, None), None, "{layout}");
+    }
+}
+
+#[test]
+fn a_box_at_the_elbow_that_a_webcam_sees_needs_no_other_anchor() {
+    for (forward_mm, is_hidden) in [(300, true), (-500, false)] {
+        let text = format!(
+            "Layout(name: \"box\", pointer: Pointer(mode: Direct(pose: (anchor: elbow, forward_mm: {forward_mm}), \
+             size_mm: (200, 120, 160))))"
+        );
+        let written = Setup {
+            source: Some("stdin:?protocol=hand-landmarks".parse().expect("a source")),
+            ..Setup::default()
+        };
+        let loaded = load(&text, written);
+        let found = loaded.unmeasured_elbow(&loaded.layout);
+        assert_eq!(found.is_some(), is_hidden, "{forward_mm}: {found:?}");
+    }
+}
+
 /// Returns a motion-capture file of other people, which not every machine has.
 fn recorded_motion(name: &str) -> Option<PathBuf> {
     let folder = match std::env::var_os("ADEMAN_PEERS") {

@@ -175,12 +175,14 @@ fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let missing = setup.missing_other_hand(&setup.layout);
     let missing = missing.map(str::to_owned).into_iter();
     let unmeasured = setup.unmeasured_body_point(&setup.layout);
+    let elbow = setup.unmeasured_elbow(&setup.layout);
     Ok(out_of_reach
         .into_iter()
         .chain(unpressable)
         .chain(overlaps)
         .chain(missing)
         .chain(unmeasured)
+        .chain(elbow)
         .collect())
 }
 

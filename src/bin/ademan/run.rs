@@ -194,12 +194,16 @@ fn choose_view(
     }
 }
 
-/// Reports the keys that the hand of the setup cannot reach, on a thread of its own: a large layout takes seconds.
+/// Reports what the source of the setup does not measure, and the keys that its hand cannot reach, on a thread of its own: a large
+/// layout takes seconds.
 fn report_reach(setup: LoadedSetup) -> Result<(), Failure> {
     let report = move || {
         for layout in setup.layouts() {
             if let Some(missing) = setup.missing_other_hand(layout) {
                 say!("{}: {missing}", escape(&layout.file));
+            }
+            if let Some(unmeasured) = setup.unmeasured_elbow(layout) {
+                say!("{}: {unmeasured}", escape(&layout.file));
             }
             if let Some(report) = setup.reach_report(layout) {
                 say!("{}: {report}", escape(&layout.file));

@@ -1,10 +1,14 @@
-//! Points of the body that boards follow, and the sources that measure them.
+//! Points of the body that boards and pointers follow, and the sources that measure them.
 
 use ademan_core::capture::SampleKind;
-use ademan_core::capture::protocol::{bvh, markers};
-use ademan_core::hand::BodyPoint;
+use ademan_core::capture::protocol::{bvh, hand_landmarks, markers};
+use ademan_core::contact::surface::Anchor;
+use ademan_core::device::pointer::mode::JointPointing;
+use ademan_core::device::pointer::{AnchoredFrame, PointingMode};
+use ademan_core::hand::{BodyPoint, Joint};
 use ademan_core::layout::Layout;
 use ademan_core::message::escape;
+use parry3d::math::Vec3;
 
 use super::LoadedSetup;
 use crate::capture::SourceUri;
@@ -34,6 +38,54 @@ impl LoadedSetup {
             ))
         })
     }
+
+    /// Returns the reason why the pointer or the targets in space of a layout are out of reach with this setup, or `None`. Hand
+    /// landmarks show no elbow: the arm then has its elbow at the camera. A webcam faces the person and sees no hand behind itself.
+    pub fn unmeasured_elbow(&self, layout: &Layout) -> Option<String> {
+        let setup = &self.setup;
+        let SourceUri::Stream(stream) = setup.source.as_ref()? else {
+            return None;
+        };
+        let other = setup.other_hand.as_ref();
+        let has_other = other.is_some_and(|it| it.source.is_some() || it.arm_source.is_some());
+        let is_camera = stream.format.protocol.name == hand_landmarks::PROTOCOL.name;
+        if !is_camera || setup.arm_source.is_some() || has_other {
+            return None;
+        }
+        let place = stream.format.options.get(&hand_landmarks::CAMERA);
+        let is_webcam = place == hand_landmarks::CAMERA.default;
+        let is_hidden = |frame: &AnchoredFrame, center: Vec3| {
+            let is_at_elbow = frame.anchor == Anchor::Joint(Joint::Elbow);
+            is_webcam && is_at_elbow && (frame.anchor_from_frame * center).z < 0.0
+        };
+        let mut spaces = layout.spaces.iter().map(|it| &it.space);
+        let remedy = match layout.pointer.as_ref().map(|pointer| pointer.mode) {
+            Some(PointingMode::Joint(joint)) if moves_with_arm(&joint) => {
+                "the cursor does not move; measure the arm with `arm_source`, or use a layout that needs only a hand, such as `webcam-mouse`"
+            }
+            Some(PointingMode::Direct(direct)) if is_hidden(&direct.frame, Vec3::ZERO) => {
+                "the cursor stays at an edge; write `anchor: start` in a copy of the layout, or use `webcam-mouse`"
+            }
+            None if spaces.any(|space| {
+                let mut volumes = space.volumes.iter();
+                volumes.all(|volume| is_hidden(&space.frame, volume.center))
+            }) =>
+            {
+                "the targets in space are behind the camera; write `anchor: start` in a copy of the layout"
+            }
+            _ => return None,
+        };
+        let source = escape(&stream.to_string()).into_owned();
+        Some(format!(
+            "the layout needs the elbow, which `{source}` does not measure: {remedy}"
+        ))
+    }
+}
+
+/// Returns `true` if a coordinate of the cursor is an angle of the wrist or the arm.
+fn moves_with_arm(joint: &JointPointing) -> bool {
+    let mut mappings = [joint.x, joint.y].into_iter().chain(joint.z);
+    mappings.any(|mapping| mapping.dof.finger().is_none())
 }
 
 fn remedy(point: BodyPoint) -> &'static str {

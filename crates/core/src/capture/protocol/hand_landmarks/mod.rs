@@ -77,7 +77,8 @@ pub const PROTOCOL: Protocol = Protocol {
     },
 };
 
-pub(super) const CAMERA: ProtocolOption = ProtocolOption {
+/// The option for the place of the camera.
+pub const CAMERA: ProtocolOption = ProtocolOption {
     name: "camera",
     default: "front",
     summary: "place of the camera: `front`, `head` or `above`",
