@@ -40,6 +40,22 @@ fn mode(path: &Path) -> u32 {
     fs::metadata(path).expect("it exists").permissions().mode() & 0o777
 }
 
+/// Asserts that a report replaces neither the study that it reads nor its other result.
+fn assert_keeps_the_study(study: &Path, html: &Path) {
+    let own = study.join("study.json");
+    for (csv, words) in [
+        (own.as_path(), "is read by this command"),
+        (html, "is named for two results"),
+    ] {
+        let report = ["lab", "study", "report", text(study)];
+        let files = ["--html", text(html), "--csv", text(csv)];
+        let refused = run(report.iter().chain(&files));
+        assert_eq!(refused.code, Some(2), "{}", refused.err);
+        assert!(refused.err.contains(words), "{}", refused.err);
+    }
+    run(["lab", "study", "report", text(study)]).done();
+}
+
 #[test]
 fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -112,18 +128,7 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
     assert!(!page.contains("P01"), "no pseudonyms");
     assert_eq!(mode(&html), 0o600);
 
-    let own = study.join("study.json");
-    for (csv, words) in [
-        (&own, "is read by this command"),
-        (&html, "is named for two results"),
-    ] {
-        let report = ["lab", "study", "report", text(&study)];
-        let files = ["--html", text(&html), "--csv", text(csv)];
-        let refused = run(report.iter().chain(&files));
-        assert_eq!(refused.code, Some(2), "{}", refused.err);
-        assert!(refused.err.contains(words), "{}", refused.err);
-    }
-    run(["lab", "study", "report", text(&study)]).done();
+    assert_keeps_the_study(&study, &html);
 
     let damaged = fs::read_to_string(&trial).expect("a trial");
     fs::write(&trial, &damaged[..40]).expect("a cut file");

@@ -202,7 +202,9 @@ fn the_stick_moves_the_pointer_until_it_is_back_at_its_center() {
         ..REST_INPUTS
     });
     let up = run.next();
-    assert!(up.starts_with("move +0 -"), "{up}");
+    // The part of a pixel that is left of the way to the right may become whole.
+    let is_up = ["+0", "+1"].map(|across| format!("move {across} -"));
+    assert!(is_up.iter().any(|way| up.starts_with(way)), "{up}");
 }
 
 #[test]

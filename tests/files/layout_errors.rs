@@ -330,8 +330,8 @@ fn an_error_in_a_layer_has_its_position() {
             "2:21: this layout has no such key: unknown key `Coma`, did you mean `Comma`?",
         ),
         (
-            "(name: \"x\", keys: {\"Q\": \"F13\"})",
-            "2:26: unknown key `F13`, did you mean `F12`?",
+            "(name: \"x\", keys: {\"Q\": \"Entr\"})",
+            "2:26: unknown key `Entr`, did you mean `Enter`?",
         ),
         (
             "(name: \"x\", keys: {\"Q\": \"1\", \"KeyQ\": \"2\"})",

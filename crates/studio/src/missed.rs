@@ -46,7 +46,7 @@ mod tests {
     }
 
     /// Returns the step with this number, and a touch of the key in it.
-    fn step(number: u64, phase: Option<Phase>) -> Snapshot {
+    fn step(number: u64, touched: Option<Phase>) -> Snapshot {
         let pose = hand(number);
         let touch = |phase| Touch {
             time: pose.time,
@@ -58,7 +58,7 @@ mod tests {
             position: Vec2::ZERO,
         };
         Snapshot {
-            touches: phase.map(touch).into_iter().collect(),
+            touches: touched.map(touch).into_iter().collect(),
             pose: Some(pose),
             stats: Stats {
                 accepted: number,

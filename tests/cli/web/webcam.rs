@@ -175,8 +175,8 @@ fn a_hand_before_a_webcam_gets_the_board_under_its_fingers_types_and_is_released
     // The simulated person types on the board at its own place again.
     click(&mut browser, "clear");
     click(&mut browser, "type");
-    browser.wait_for(LOOK, "the simulated person types", |look| {
-        look["typed"] == "hello"
+    browser.wait_for(LOOK, "the simulated person types", |seen| {
+        seen["typed"] == "hello"
     });
     drop(browser);
     let log = fs::read_to_string(&log).expect("a log");
@@ -228,12 +228,12 @@ fn a_camera_that_the_browser_gives_after_the_person_types_otherwise_is_let_go() 
 
     click(&mut browser, "type");
     browser.evaluate("globalThis.allow()");
-    let look = browser.wait_for(LOOK, "the camera is let go", |look| {
-        look["track"] == "ended"
+    let look = browser.wait_for(LOOK, "the camera is let go", |seen| {
+        seen["track"] == "ended"
     });
     assert!(has(&look, "status", "the camera is off"), "{look}");
-    browser.wait_for(LOOK, "the simulated person types", |look| {
-        look["typed"] == "hello"
+    browser.wait_for(LOOK, "the simulated person types", |seen| {
+        seen["typed"] == "hello"
     });
 }
 

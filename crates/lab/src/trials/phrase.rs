@@ -461,7 +461,7 @@ mod tests {
             let steps = strokes.steps("Aa", first, ends_with_space);
             let steps = steps
                 .iter()
-                .map(|(typed, step)| (*typed, step.targets[0].0));
+                .map(|(typed, stroke)| (*typed, stroke.targets[0].0));
             steps.collect::<Vec<_>>()
         };
         assert_eq!(typed_after(0, false), [(0, 0), (1, 1), (2, 1)]);

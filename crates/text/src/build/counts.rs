@@ -137,7 +137,7 @@ impl Counts {
         let mass = |spelled: &Spelled, count: u32| f64::from(count) + spelled.weight;
         let number = known().count() as f64;
         // Words of no weight are equally likely.
-        let share = |mass: f64, sum: f64| if sum > 0.0 { mass / sum } else { 1.0 / number };
+        let share = |part: f64, sum: f64| if sum > 0.0 { part / sum } else { 1.0 / number };
         let total: f64 = known()
             .map(|(_, spelled)| mass(spelled, spelled.count))
             .sum();
