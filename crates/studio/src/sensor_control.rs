@@ -313,21 +313,26 @@ impl SensorControl {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
-    use ademan_runtime::session::{Session, SessionOptions};
+    use ademan_runtime::session::{Session, SessionHandle, SessionOptions};
     use ademan_runtime::setup::Setup;
 
-    #[test]
-    fn a_calibration_ends_no_pause_but_its_own() {
-        use CommandOrigin::{Client, Layout, Signal};
+    /// Starts a session of a simulated hand that wears a glove, without an output.
+    pub fn session() -> SessionHandle {
         let setup = Setup {
             source: Some("typist:hello".parse().expect("a source")),
             output: "none".into(),
             ..Setup::default()
         };
         let setup = setup.load_files().expect("the shipped files");
-        let session = Session::start(setup, SessionOptions::default()).expect("a session");
+        Session::start(setup, SessionOptions::default()).expect("a session")
+    }
+
+    #[test]
+    fn a_calibration_ends_no_pause_but_its_own() {
+        use CommandOrigin::{Client, Layout, Signal};
+        let session = session();
         let mut sensors = SensorControl::new(session.sensors());
         for (before, at_end, is_ended) in [
             (None, Some(Client), true),

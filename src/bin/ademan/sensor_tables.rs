@@ -60,13 +60,10 @@ impl SensorTables {
 
 impl HandSensors {
     fn new(glove: &Glove) -> Self {
-        let mut channels: Vec<usize> = glove.map.rows().iter().map(|row| row.channel).collect();
-        channels.sort_unstable();
-        channels.dedup();
         Self {
             side: glove.side,
             map: glove.map.clone(),
-            recording: SensorRecording::new(Some(channels)),
+            recording: SensorRecording::new(Some(glove.map.angle_channels())),
         }
     }
 

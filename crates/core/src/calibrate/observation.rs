@@ -1,7 +1,7 @@
 //! Observations: what each channel showed in each pose.
 
 use super::pose::CalibrationPose;
-use crate::estimate::{ChannelMap, ChannelRow};
+use crate::estimate::ChannelMap;
 use crate::hand::{Dof, JointAngles};
 
 /// The counts of one channel while a pose was held.
@@ -110,12 +110,4 @@ pub fn rest_pose(observations: &Observations, map: &ChannelMap) -> JointAngles {
         }
     }
     angles
-}
-
-/// Returns the channels of rows, in ascending order.
-pub(super) fn channels_of(rows: &[ChannelRow]) -> Vec<usize> {
-    let mut channels: Vec<usize> = rows.iter().map(|row| row.channel).collect();
-    channels.sort_unstable();
-    channels.dedup();
-    channels
 }

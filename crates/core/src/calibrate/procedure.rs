@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::capture::{CaptureState, LiveChannel, PoseCapture};
-use super::observation::{Observations, channels_of};
+use super::observation::Observations;
 use super::pose::CalibrationPose;
 use super::recorded::PoseMark;
 use crate::capture::{Channels, MAX_CHANNELS};
@@ -43,7 +43,7 @@ impl Procedure {
     pub fn for_glove(map: &ChannelMap, prepare: Duration) -> Self {
         let poses = CalibrationPose::GUIDED.iter().copied();
         let poses = poses.filter(|pose| pose.is_needed_for(map)).collect();
-        Self::new(poses, channels_of(map.rows()), prepare)
+        Self::new(poses, map.angle_channels(), prepare)
     }
 
     /// Adds the poses of single fingers, which find swapped sensors of fingers that bend together in all other poses.

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::capture::observe;
 use super::error::CalibrationError;
-use super::observation::{ChannelObservation, Observations, PoseObservation, channels_of};
+use super::observation::{ChannelObservation, Observations, PoseObservation};
 use super::pose::CalibrationPose;
 use crate::capture::{ChannelSet, Channels};
 use crate::estimate::ChannelMap;
@@ -113,7 +113,7 @@ struct Recording {
 
 impl Recording {
     fn new(readings: &[(Timestamp, Channels)], map: &ChannelMap) -> Self {
-        let channels = channels_of(map.rows());
+        let channels = map.angle_channels();
         let row = |sample: &Channels| {
             let count = |&channel: &usize| sample.counts.get(channel).copied();
             let counts = channels.iter().map(count);

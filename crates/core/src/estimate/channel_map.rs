@@ -234,6 +234,11 @@ impl ChannelMap {
         angles.chain(self.inputs.iter().map(|row| row.channel))
     }
 
+    /// Returns the channels that measure angles, each once, in ascending order.
+    pub fn angle_channels(&self) -> Vec<usize> {
+        channels_of(&self.rows)
+    }
+
     /// Returns the number of channels that a reading must have.
     pub fn required_channels(&self) -> usize {
         self.channels().max().map_or(0, |channel| channel + 1)
@@ -249,4 +254,12 @@ impl ChannelMap {
             },
         )
     }
+}
+
+/// Returns the channels of rows, each once, in ascending order.
+pub(crate) fn channels_of(rows: &[ChannelRow]) -> Vec<usize> {
+    let mut channels: Vec<usize> = rows.iter().map(|row| row.channel).collect();
+    channels.sort_unstable();
+    channels.dedup();
+    channels
 }

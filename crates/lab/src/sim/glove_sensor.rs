@@ -32,9 +32,7 @@ struct SensedChannel {
 impl GloveSensor {
     /// Creates the sensors of a glove.
     pub(super) fn new(map: &ChannelMap, noise: Noise) -> Self {
-        let mut channels: Vec<usize> = map.rows().iter().map(|row| row.channel).collect();
-        channels.sort_unstable();
-        channels.dedup();
+        let channels = map.angle_channels();
         let sensed = channels.into_iter().map(|channel| SensedChannel {
             channel,
             mappings: mappings(map, channel),

@@ -63,9 +63,7 @@ pub struct TypingHand {
 impl TypingHand {
     /// Creates the hand of an arm that wears a glove with these channels.
     pub fn new(arm: &ArmModel, map: &ChannelMap) -> Self {
-        let mut channels: Vec<usize> = map.rows().iter().map(|row| row.channel).collect();
-        channels.sort_unstable();
-        channels.dedup();
+        let channels = map.angle_channels();
         let variables = channels.iter().map(|&channel| variable(map, channel));
         let mut assumed = JointAngles::default();
         for &(dof, radians) in map.assumed_angles() {

@@ -336,7 +336,7 @@ impl LayoutEditor {
         let _ = self.adopt(edited);
     }
 
-    /// Returns the selected parts in another text, in which their indices may be those of others: parts with a name by their names.
+    /// Returns the selection for another text. A part with a name is found by its name, as its index may differ there.
     fn selection_in(&self, other: &str) -> Vec<Part> {
         let Some(tree) = read_tree(other) else {
             return self.selection.clone();

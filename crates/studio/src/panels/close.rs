@@ -4,7 +4,6 @@ use eframe::egui;
 
 use super::table::SENSORS;
 use super::{PanelContext, PanelState, Workspace};
-use crate::glove_editor::GloveEditor;
 use crate::texts::text;
 
 /// The question between two pictures.
@@ -32,8 +31,7 @@ enum Answer {
 
 /// Asks before the window closes, unless the editor asks about its layout first.
 pub(super) fn guard(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
-    let glove = context.sensors.editor.as_ref();
-    let is_changed = glove.is_some_and(GloveEditor::is_changed);
+    let is_changed = context.sensors.is_unsaved();
     let is_requested = ui.input(|input| input.viewport().close_requested());
     let layout_asks = match &state.editor {
         Some(Ok(layout)) => layout.asks_before_close(),

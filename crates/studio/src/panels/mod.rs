@@ -290,8 +290,8 @@ fn is_other_number(old: f64, new: f64, decimals: usize) -> bool {
     old != new && shown(old) != shown(new)
 }
 
-/// Returns the number that is typed into a field; `None` for words and for what is no finite number. A comma is that of decimals,
-/// unless it may separate thousands.
+/// Parses a number that is typed into a field, with a point or a comma before the decimals. `None` unless it is finite, and for a
+/// comma before three digits, which may separate thousands.
 fn typed_number(words: &str) -> Option<f64> {
     let visible = words.chars().filter(|letter| !letter.is_whitespace());
     let plain: String = visible.collect::<String>().replace('−', "-");
@@ -367,18 +367,11 @@ fn open_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelCon
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ademan_runtime::session::{Session, SessionOptions};
-    use ademan_runtime::setup::Setup;
+    use crate::sensor_control::tests::session;
 
     #[test]
     fn another_glove_waits_until_this_one_is_saved() {
-        let setup = Setup {
-            source: Some("typist:hello".parse().expect("a source")),
-            output: "none".into(),
-            ..Setup::default()
-        };
-        let setup = setup.load_files().expect("the shipped files");
-        let session = Session::start(setup, SessionOptions::default()).expect("a session");
+        let session = session();
         let mut sensors = SensorControl::new(session.sensors());
         let mut panels = PanelState::default();
         let change = SetupChange::Glove(None);

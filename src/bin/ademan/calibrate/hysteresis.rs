@@ -17,7 +17,7 @@ use crate::failure::Failure;
 /// A smaller hysteresis is within the steps of the counts.
 const LEAST_COUNTS: f64 = 0.5;
 
-/// Where the hysteresis of the sensors is known from.
+/// The source of the hysteresis of the sensors.
 #[derive(Clone, Debug)]
 pub enum Hysteresis {
     /// A percentage of the calibrated range of each finger sensor.
@@ -53,7 +53,7 @@ pub fn run(hysteresis: &Hysteresis, args: Args) -> Result<(), Failure> {
         Hysteresis::Percent(percent) => of_ranges(map, *percent),
         Hysteresis::Measured(path) => {
             let recorded = recording::read(path)?;
-            let mut cycles = SensorRecording::new(Some(channels(map)));
+            let mut cycles = SensorRecording::new(Some(map.angle_channels()));
             for (time, counts) in &recorded.readings {
                 cycles.push(*time, counts);
             }
@@ -90,13 +90,6 @@ pub fn run(hysteresis: &Hysteresis, args: Args) -> Result<(), Failure> {
 /// The hysteresis of channels in counts, and a line for each channel without one.
 type Found = (Vec<(usize, f64)>, String);
 
-fn channels(map: &ChannelMap) -> Vec<usize> {
-    let mut channels: Vec<usize> = map.rows().iter().map(|row| row.channel).collect();
-    channels.sort_unstable();
-    channels.dedup();
-    channels
-}
-
 /// Returns a part of the ranges of the finger sensors: a wrong hysteresis of the arm would move the whole hand.
 fn of_ranges(map: &ChannelMap, percent: f64) -> Found {
     let mut found = Vec::new();
@@ -105,7 +98,7 @@ fn of_ranges(map: &ChannelMap, percent: f64) -> Found {
         let mut rows = map.rows().iter().filter(|row| row.channel == channel);
         rows.all(|row| row.dof.finger().is_some())
     };
-    for channel in channels(map).into_iter().filter(is_of_finger) {
+    for channel in map.angle_channels().into_iter().filter(is_of_finger) {
         match map.range(channel) {
             Some((low, high)) => found.push((channel, (high - low) * percent / 100.0)),
             None => without_range.push(channel.to_string()),

@@ -10,10 +10,10 @@ mod weighted_line;
 
 use self::channel_fit::ChannelFit;
 use super::error::CalibrationError;
-use super::observation::{Observations, channels_of};
+use super::observation::Observations;
 use super::pose::CalibrationPose;
 use super::problem::{Problem, Severity};
-use crate::estimate::{AffineMap, ChannelMap, ChannelRow, CountRange, JointLimits};
+use crate::estimate::{AffineMap, ChannelMap, ChannelRow, CountRange, JointLimits, channels_of};
 use crate::hand::{Dof, Finger};
 
 /// The calibration of a glove for a hand.

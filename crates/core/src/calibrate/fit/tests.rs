@@ -13,7 +13,7 @@ fn observe(
 ) -> Observations {
     let mut observations = Observations::default();
     for &pose in poses {
-        let channels = channels_of(shipped().rows()).into_iter().map(|channel| {
+        let channels = shipped().angle_channels().into_iter().map(|channel| {
             let median = counts(pose, channel);
             ChannelObservation {
                 channel,

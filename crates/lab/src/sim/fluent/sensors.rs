@@ -21,7 +21,7 @@ named_enum! {
         Camera = "camera",
         /// The glove of the program, 175 packets a second, with gain errors, backlash, lag and counts of 8 bits.
         Glove = "glove",
-        /// The same glove, whose backlash the pipeline knows from a measurement with an error of up to a fifth.
+        /// The same glove, its backlash measured to within a fifth and compensated.
         MeasuredGlove = "measured-glove",
     }
 }

@@ -67,9 +67,7 @@ struct Sensor {
 impl GloveSensors {
     /// Draws a glove of the kind of `map`: the same channels for the same joints.
     pub(super) fn new(map: &ChannelMap, random: &mut fastrand::Rng) -> Self {
-        let mut channels: Vec<usize> = map.rows().iter().map(|row| row.channel).collect();
-        channels.sort_unstable();
-        channels.dedup();
+        let channels = map.angle_channels();
         let divider = (between(random, FIXED), between(random, BENT));
         let count = channels.len();
         let sensors = channels.iter().enumerate().map(|(index, &channel)| {

@@ -23,7 +23,7 @@ pub struct RecordingState {
 }
 
 impl RecordingState {
-    /// Begins with another recording, such as that of another person of the lab.
+    /// Starts afresh if the recording is another one, such as the next person of the lab.
     fn follow(&mut self, path: &Path) {
         if self.path != path {
             *self = Self {
