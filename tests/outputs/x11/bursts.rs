@@ -1,16 +1,19 @@
 //! Texts and corrections that a display cannot type, or executes slowly: they arrive entirely or not at all, and so does what belongs
 //! to them.
 
-use std::thread;
 use std::time::Duration;
+use std::{fs, thread};
 
 use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan::output::{Desktop, Sink};
 use ademan::time::Timestamp;
 
-use super::characters::KeymapClient;
+use super::both_killed::in_session;
+use super::characters::{KeymapClient, LAYOUT};
 use super::slow_display::SlowDisplay;
+use crate::support::binary::ademan;
 use crate::support::key_log::{Action, Input, KeyLog};
+use crate::support::program::Program;
 use crate::support::x11::{InputWindow, XServer, wait_for};
 
 /// Codes of keys of a PC keyboard.
@@ -170,4 +173,31 @@ fn the_text_field_is_another_one_when_another_window_has_the_focus() {
         sink.text_field().generation != generation
     };
     assert!(wait_for(is_noticed));
+}
+
+/// A server reads the requests of a client in parts, and drops what it has not read of a client that is gone.
+#[test]
+fn a_character_that_a_killed_run_has_typed_half_is_released() {
+    // A key of the keymap, and one that is added to it.
+    for text in ["n", "λ"] {
+        let Some(server) = XServer::start() else {
+            return;
+        };
+        let display = SlowDisplay::that_reads_half(&server);
+        let folder = tempfile::tempdir_in("/dev/shm").expect("a folder in memory");
+        let layout = folder.path().join("text.ron");
+        fs::write(&layout, LAYOUT.replace("niño λ", text)).expect("the folder is writable");
+        let source = "script:wait 800; tap text; wait 600000";
+        let mut run = ademan(["run", "--output", "desktop", "--source", source]);
+        run.arg("--layout").arg(layout);
+        let mut run = in_session(run, &server, folder.path());
+        run.env("DISPLAY", display.display());
+        let mut program = Program::from_command(run);
+        let is_down = || !server.pressed_keys().is_empty();
+        assert!(wait_for(is_down), "{text}: {:#?}", program.stderr_lines());
+        program.signal(&["KILL"]);
+        assert_eq!(program.wait_for_exit().code(), None);
+        let is_up = || server.pressed_keys().is_empty();
+        assert!(wait_for(is_up), "{text}: {:?}", server.pressed_keys());
+    }
 }

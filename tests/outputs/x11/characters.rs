@@ -323,7 +323,7 @@ fn a_keymap_that_the_user_changes_after_a_text_stays_unchanged() {
 }
 
 /// A layout of one key that types a text.
-const LAYOUT: &str = r#"Layout(
+pub const LAYOUT: &str = r#"Layout(
     name: "Text",
     description: "a key that types a text",
     boards: [(

@@ -1,4 +1,5 @@
-//! A display that answers late, as over a network, or lacks an extension: a socket that passes every byte on after a delay.
+//! A display that answers late, as over a network, lacks an extension, or reads half of what a client wrote: a socket that passes
+//! bytes on after a delay.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -19,6 +20,9 @@ const FOLDER: &str = "/tmp/.X11-unix";
 /// Number of displays that this process has created.
 static DISPLAYS: AtomicU32 = AtomicU32::new(0);
 
+/// A change of what is passed on. Returns the number of bytes to pass on: less than all cut the connection there.
+type Filter = fn(&mut [u8]) -> usize;
+
 /// A display whose requests and replies take a time each. Its threads end with their connections.
 pub struct SlowDisplay {
     display: String,
@@ -28,7 +32,7 @@ pub struct SlowDisplay {
 impl SlowDisplay {
     /// Creates a display that passes everything on to a server.
     pub fn start(server: &XServer, delay: Duration) -> Self {
-        Self::with_filter(server, delay, |_| {})
+        Self::with_filter(server, delay, |part| part.len())
     }
 
     /// Creates a display that passes everything on to a server at once, and has no X Input extension.
@@ -39,11 +43,26 @@ impl SlowDisplay {
             if let Some(start) = starts.find(|&start| part[start..].starts_with(name)) {
                 part[start] = b'-';
             }
+            part.len()
+        })
+    }
+
+    /// Creates a display that reads no more of a connection after the first key that goes down and comes up in one write.
+    pub fn that_reads_half(server: &XServer) -> Self {
+        Self::with_filter(server, Duration::ZERO, |part| {
+            // `FakeInput` of XTEST: 9 words with the minor opcode 2, and a press or a release.
+            let is_input = |request: &[u8], kind| request[1..5] == [2, 9, 0, kind];
+            let mut starts = (0..part.len().saturating_sub(71)).step_by(4);
+            let is_tap = |start: &usize| {
+                let (press, release) = part[*start..start + 72].split_at(36);
+                is_input(press, 2) && is_input(release, 3) && press[5] == release[5]
+            };
+            starts.find(is_tap).map_or(part.len(), |start| start + 36)
         })
     }
 
     /// Creates a display whose requests pass a filter.
-    fn with_filter(server: &XServer, delay: Duration, filter: fn(&mut [u8])) -> Self {
+    fn with_filter(server: &XServer, delay: Duration, filter: Filter) -> Self {
         let path_of = |number: &str| PathBuf::from(FOLDER).join(format!("X{number}"));
         let created = DISPLAYS.fetch_add(1, Ordering::Relaxed);
         let number = server.display().trim_start_matches(':');
@@ -59,7 +78,7 @@ impl SlowDisplay {
                 let ends = [&client, &accepted].map(|end| end.try_clone().expect("a descriptor"));
                 let [to_client, to_server] = ends;
                 pass_on(client, to_server, delay, filter);
-                pass_on(accepted, to_client, delay, |_| {});
+                pass_on(accepted, to_client, delay, |part| part.len());
             }
         });
         Self {
@@ -81,13 +100,17 @@ impl Drop for SlowDisplay {
 }
 
 /// Starts two threads that pass on what arrives and passes the filter, each part after the delay.
-fn pass_on(mut from: UnixStream, mut to: UnixStream, delay: Duration, filter: fn(&mut [u8])) {
+fn pass_on(mut from: UnixStream, mut to: UnixStream, delay: Duration, filter: Filter) {
     let (sender, parts) = unbounded::<(Instant, Vec<u8>)>();
     thread::spawn(move || {
-        let mut buffer = [0; 1 << 16];
+        let (mut buffer, mut is_cut) = ([0; 1 << 16], false);
         while let Ok(length @ 1..) = from.read(&mut buffer) {
-            filter(&mut buffer[..length]);
-            let part = (Instant::now() + delay, buffer[..length].to_vec());
+            if is_cut {
+                continue;
+            }
+            let passed = filter(&mut buffer[..length]);
+            is_cut = passed < length;
+            let part = (Instant::now() + delay, buffer[..passed].to_vec());
             if sender.send(part).is_err() {
                 return;
             }

@@ -225,6 +225,11 @@ impl KeyCode {
         self.0
     }
 
+    /// Returns the key with an X11 key code, if the table contains it.
+    pub fn from_x11_code(code: u8) -> Option<Self> {
+        Self::from_event_code(u16::from(code).checked_sub(8)?)
+    }
+
     /// Returns the X11 key code of a key: the event code + 8.
     pub const fn x11_code(self) -> u16 {
         self.0 + 8

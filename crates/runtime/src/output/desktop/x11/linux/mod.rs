@@ -135,6 +135,15 @@ impl X11Injector {
         keys.prepare(&self.server, self.root, &text, reporter)
     }
 
+    /// Releases a key that types a character, in case that the process that pressed it was killed, and removes it from the keymap.
+    fn remove_character_key(&self, key: CharacterKey) -> Result<(), ReplyError> {
+        let bits = self.server.query_keymap()?.reply()?.keys;
+        if is_pressed(&bits, key.code) {
+            self.fake(KEY_RELEASE_EVENT, key.code)?;
+        }
+        keymap::remove(&self.server, key)
+    }
+
     fn move_pointer(&self, detail: u8, x: i16, y: i16) -> Result<(), ReplyError> {
         let (kind, none) = (MOTION_NOTIFY_EVENT, x11rb::NONE);
         let event = self
@@ -179,10 +188,9 @@ impl X11Injector {
     fn pressed_among(&self, keys: &PressedKeys) -> Result<PressedKeys, ReplyError> {
         let bits = self.server.query_keymap()?.reply()?.keys;
         let buttons = u16::from(self.server.query_pointer(self.root)?.reply()?.mask);
-        let is_key_pressed = |code: u8| bits[usize::from(code / 8)] >> (code % 8) & 1 == 1;
         let first_button = u16::from(KeyButMask::BUTTON1);
-        let is_pressed = |key: &KeyCode| match input(*key) {
-            Ok(Input::Key(code)) => is_key_pressed(code),
+        let has = |key: &KeyCode| match input(*key) {
+            Ok(Input::Key(code)) => is_pressed(&bits, code),
             Ok(Input::Button(button)) if QUERIED_BUTTONS.contains(&button) => {
                 buttons & first_button << (button - 1) != 0
             }
@@ -190,7 +198,7 @@ impl X11Injector {
             Err(_) => false,
         };
         let mut pressed = PressedKeys::default();
-        let mut pressed_keys: Vec<_> = keys.release_order().filter(is_pressed).collect();
+        let mut pressed_keys: Vec<_> = keys.release_order().filter(has).collect();
         pressed_keys.reverse();
         for key in pressed_keys {
             pressed.press(key);
@@ -225,12 +233,24 @@ impl Injector for X11Injector {
             return self.discard_events().map_err(message).map(|()| false);
         };
         let inputs = inputs(burst, &codes)?;
-        let executed = self.fake_all(inputs);
-        self.character_keys.note_use(&codes);
-        executed
-            .and_then(|()| self.discard_events())
-            .map_err(message)
-            .map(|()| true)
+        let keys = keys_with_codes(&codes);
+        // The server may have read a press and not the release when this process is killed.
+        let is_reported = keys
+            .release_order()
+            .all(|key| reporter.report(key, KeyDirection::Press));
+        let executed = if is_reported {
+            self.character_keys.note_use(&codes);
+            self.fake_all(inputs)
+                .and_then(|()| self.discard_events())
+                .map_err(message)?;
+            true
+        } else {
+            false
+        };
+        for key in keys.release_order() {
+            reporter.report(key, KeyDirection::Release);
+        }
+        Ok(executed)
     }
 
     fn restore_keymap(&mut self, reporter: &mut KeyReporter) {
@@ -240,7 +260,7 @@ impl Injector for X11Injector {
 
     fn remove_character_keys(&mut self, keys: &[CharacterKey]) -> Result<(), String> {
         let mut keys = keys.iter();
-        keys.try_for_each(|key| keymap::remove(&self.server, *key))
+        keys.try_for_each(|key| self.remove_character_key(*key))
             .and_then(|()| self.discard_events())
             .map_err(message)
     }
@@ -315,6 +335,21 @@ fn fake_input(key: KeyCode, direction: KeyDirection) -> Result<(u8, u8), String>
         (Input::Button(button), true) => (BUTTON_PRESS_EVENT, button),
         (Input::Button(button), false) => (BUTTON_RELEASE_EVENT, button),
     })
+}
+
+/// Returns `true` if a key is pressed in a state of the keyboard, which has a bit for each code.
+fn is_pressed(bits: &[u8; 32], code: u8) -> bool {
+    bits[usize::from(code / 8)] >> (code % 8) & 1 == 1
+}
+
+/// Returns the keys with these codes. A code of no key is of one that was added to the keymap, which the watchdog knows.
+fn keys_with_codes(codes: &[u8]) -> PressedKeys {
+    let mut keys = PressedKeys::default();
+    let known = codes
+        .iter()
+        .filter_map(|code| KeyCode::from_x11_code(*code));
+    known.for_each(|key| _ = keys.press(key));
+    keys
 }
 
 /// Returns the kinds and details of the events that execute a burst, whose characters have these key codes.
