@@ -39,6 +39,22 @@ impl RecentFiles {
         self.0.iter().map(String::as_str)
     }
 
+    /// Adds the files that another list has in addition to the list `before` both: behind what was added here since, so that a full list
+    /// drops its oldest files.
+    pub fn merge(&mut self, other: &Self, before: &Self) {
+        let is_new = |file: &String| !before.0.contains(file);
+        let has_other_first = usize::from(self.0.first() != before.0.first());
+        let last_own = self.0.iter().rposition(is_new);
+        let place = last_own.map_or(has_other_first.min(self.0.len()), |last| last + 1);
+        let added = other.0.iter().filter(|file| is_new(file));
+        let added: Vec<String> = added
+            .filter(|file| !self.0.contains(file))
+            .cloned()
+            .collect();
+        self.0.splice(place..place, added);
+        self.0.truncate(MAX_RECENT);
+    }
+
     /// Returns at most [`MAX_RECENT`] files.
     #[must_use]
     pub fn checked(mut self) -> Self {
@@ -64,6 +80,30 @@ mod tests {
         assert_eq!(recent.iter().collect::<Vec<_>>(), expected);
         recent.remove("/layouts/19.ron");
         assert_eq!(recent.iter().count(), MAX_RECENT - 1);
+    }
+
+    #[test]
+    fn files_that_another_window_has_added_come_behind_those_of_this_one() {
+        let list = |names: &str| RecentFiles(names.split(' ').map(str::to_owned).collect());
+        for (own, other, before, expected) in [
+            ("a b", "a b", "a b", "a b"),
+            ("x a b", "y a b", "a b", "x y a b"),
+            ("a b", "y a b", "a b", "y a b"),
+            ("b a", "y a b", "a b", "b y a"),
+            ("b x a", "y a b", "a b", "b x y a"),
+            // `a` was removed here.
+            ("b", "y a b", "a b", "b y"),
+            (
+                "x 1 2 3 4 5 6 7",
+                "y 1 2 3 4 5 6 7",
+                "1 2 3 4 5 6 7 8",
+                "x y 1 2 3 4 5 6",
+            ),
+        ] {
+            let mut merged = list(own);
+            merged.merge(&list(other), &list(before));
+            assert_eq!(merged, list(expected), "{own} {other}");
+        }
     }
 
     #[test]

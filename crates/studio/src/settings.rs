@@ -209,6 +209,14 @@ impl Settings {
         self
     }
 
+    /// Adds the recent files that another window has written since `before` was read.
+    pub fn merge_recent(&mut self, present: &Self, before: &Self) {
+        self.recent_layouts
+            .merge(&present.recent_layouts, &before.recent_layouts);
+        self.recent_recordings
+            .merge(&present.recent_recordings, &before.recent_recordings);
+    }
+
     /// Returns the camera that was pointed at this layout.
     pub fn camera_for(&self, layout: &str) -> Option<Camera> {
         let place = self

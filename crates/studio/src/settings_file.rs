@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io::{self, Read, Write};
+use std::mem;
 use std::path::{Path, PathBuf};
 
 use super::settings::Settings;
@@ -18,7 +19,7 @@ const MAX_BYTES: u64 = 64 * 1024;
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
     /// The file exists and cannot be read.
-    #[error("the settings are not read: {0}; Studio starts with its defaults: {path}", path = escape_path(.1))]
+    #[error("the settings are not read: {0}; Studio starts with its defaults, and renames the file to end in .broken before it writes others: {path}", path = escape_path(.1))]
     Read(String, PathBuf),
     /// The file cannot be written.
     #[error("the settings are not kept: {0}; free the disk or change the permissions: {path}", path = escape_path(.1))]
@@ -73,14 +74,17 @@ impl SettingsFile {
         self.save(settings)
     }
 
-    /// Writes settings that have changed.
+    /// Writes settings that have changed. Recent files that another window has written are kept, and so is a file that cannot be read:
+    /// its name ends in `.broken` then.
     pub fn save(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let Some(path) = self.path.as_ref().filter(|_| *settings != self.saved) else {
             return Ok(());
         };
         // A disk that is full is reported once, and tried again after the next change.
-        self.saved = settings.clone();
-        write(path, settings).map_err(|reason| SettingsError::Write(reason, path.clone()))
+        let before = mem::replace(&mut self.saved, settings.clone());
+        let kept = kept_beside(path, settings, &before);
+        let written = kept.and_then(|settings| write(path, &settings));
+        written.map_err(|reason| SettingsError::Write(reason, path.clone()))
     }
 }
 
@@ -95,6 +99,31 @@ fn read(path: &Path) -> Result<Option<Settings>, String> {
     ron::from_str(&text)
         .map(Some)
         .map_err(|error| error.to_string())
+}
+
+/// Returns the settings with the recent files that another window has written since `before` was read. A file that cannot be read is
+/// renamed.
+fn kept_beside(path: &Path, settings: &Settings, before: &Settings) -> Result<Settings, String> {
+    let mut kept = settings.clone();
+    match read(path) {
+        Ok(Some(present)) => kept.merge_recent(&present, before),
+        Ok(None) => {}
+        Err(_) => fs::rename(path, broken_name(path)).map_err(|error| error.to_string())?,
+    }
+    Ok(kept)
+}
+
+/// Returns the name that a file which cannot be read is given: the first one without a file.
+fn broken_name(path: &Path) -> PathBuf {
+    let name = |number: u32| match number {
+        1 => path.with_added_extension("broken"),
+        _ => path.with_added_extension(format!("broken.{number}")),
+    };
+    let mut number = 1;
+    while name(number).symlink_metadata().is_ok() {
+        number += 1;
+    }
+    name(number)
 }
 
 /// Writes another file beside this one and renames it, so that a reader finds the old or the new content.
@@ -156,6 +185,49 @@ mod tests {
             let message = error.expect("a message").to_string();
             assert!(message.contains("studio.ron"), "{message}");
         }
+    }
+
+    #[test]
+    fn a_broken_file_is_renamed_before_others_are_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("studio.ron");
+        let text = |name: &str| fs::read_to_string(folder.path().join(name));
+        for (broken, name) in [
+            ("(scale: \"large\")", "studio.ron.broken"),
+            ("(", "studio.ron.broken.2"),
+        ] {
+            fs::write(&path, broken).expect("a write");
+            let (mut file, settings, error) = SettingsFile::open(path.clone());
+            let message = error.expect("a message").to_string();
+            assert!(message.contains(".broken"), "{message}");
+            file.save(&settings).expect("nothing has changed");
+            assert_eq!(text("studio.ron").expect("the file"), broken);
+            file.save(&scaled(1.5)).expect("a write");
+            assert_eq!(text(name).expect("the broken file"), broken);
+            assert_eq!(SettingsFile::open(path.clone()).1, scaled(1.5));
+        }
+        let first = text("studio.ron.broken").expect("the first broken file");
+        assert_eq!(first, "(scale: \"large\")");
+    }
+
+    #[test]
+    fn two_windows_keep_the_recent_files_of_each_other() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("studio.ron");
+        let (mut one, mut of_one, _) = SettingsFile::open(path.clone());
+        let (mut other, mut of_other, _) = SettingsFile::open(path.clone());
+        of_one.recent_layouts.push(Path::new("/one.ron"));
+        one.save(&of_one).expect("a write");
+        of_other.recent_layouts.push(Path::new("/other.ron"));
+        of_other.recent_recordings.push(Path::new("/other.mcap"));
+        other.save(&of_other).expect("a write");
+        of_one.scale = 1.5;
+        one.save(&of_one).expect("a write");
+        let (_, kept, _) = SettingsFile::open(path);
+        let layouts: Vec<&str> = kept.recent_layouts.iter().collect();
+        assert_eq!(layouts, ["/other.ron", "/one.ron"]);
+        assert_eq!(kept.recent_recordings, of_other.recent_recordings);
+        assert_eq!(kept.scale, 1.5);
     }
 
     #[test]
