@@ -5,6 +5,8 @@ use std::path::Path;
 
 use ademan::capture::SourceUri;
 use ademan::setup::{ProfileSetup, Setup};
+use ademan::studio::settings::{HandSettings, Settings};
+use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::texts::text;
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -97,6 +99,35 @@ fn gloves_persons_and_outputs_are_chosen_from_lists() {
     assert_eq!(window.setup().output, "transcript");
     let state = window.app().model().view.state.clone();
     assert!(state.paused_by.is_none(), "nothing else receives it");
+}
+
+#[test]
+fn the_person_of_the_settings_returns_after_one_of_the_setup() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let settings = folder.path().join("studio.ron");
+    let slow = folder.path().join("slow.ron");
+    fs::write(&slow, r#"Person(name: "slow", speed: 0.5)"#).expect("a write");
+    let chosen = Some(slow.to_string_lossy().into_owned());
+    let saved = Settings {
+        hand: HandSettings {
+            person: chosen.clone(),
+            ..HandSettings::default()
+        },
+        ..Settings::default()
+    };
+    let (mut file, ..) = SettingsFile::open(settings.clone());
+    file.save(&saved).expect("a write");
+    let mut window = ChangingWindow::open("numpad", &settings);
+    window.harness.key_press(egui::Key::F9);
+    window.draw();
+    let person = |window: &mut ChangingWindow| window.app().settings().hand.person.clone();
+    assert_eq!(person(&mut window), chosen);
+    choose(&mut window, text("devices-person"), "adult");
+    assert_eq!(person(&mut window), None);
+    let none = text("devices-person-none");
+    choose(&mut window, text("devices-person"), none);
+    assert_eq!(window.setup().person, None);
+    assert_eq!(person(&mut window), chosen);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The window: receives what the session shows, and lays out the panels.
 
+mod start;
 mod window;
 
 use std::path::{Path, PathBuf};
@@ -8,13 +9,13 @@ use std::time::Duration;
 use crossbeam_channel::{Receiver, TryRecvError};
 use eframe::egui;
 
+pub use self::start::{SessionRequest, StudioStart};
 pub use self::window::open_window;
 use self::window::place_of_window;
 pub(crate) use self::window::{run_window, window_options};
 use crate::attached::Attached;
 use crate::error::StudioError;
 use crate::fingertip::Fingertip;
-use crate::first_start::{Answers, FirstStart};
 use crate::fonts::fonts;
 use crate::headset::HeadsetLink;
 use crate::lab::WatchedPerson;
@@ -24,7 +25,6 @@ use crate::playback::Player;
 use crate::sensor_control::SensorControl;
 use crate::settings::Settings;
 use crate::settings_file::SettingsFile;
-use crate::setup_change::SetupChange;
 use crate::simulated::HandControl;
 use crate::sound::Sound;
 use ademan_core::command::Command;
@@ -56,6 +56,8 @@ pub struct StudioApp {
     sensors: SensorControl,
     panels: PanelState,
     settings_file: SettingsFile,
+    /// The person of the settings, in whose place the setup has one.
+    replaced_person: Option<String>,
     /// Clicks on presses; without it Studio is silent.
     sound: Option<Sound>,
     /// The last picture shows something that the one before did not, even without input.
@@ -102,6 +104,7 @@ impl StudioApp {
             sensors,
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
+            replaced_person: None,
             sound: None,
             has_changed: true,
         })
@@ -121,11 +124,12 @@ impl StudioApp {
         self
     }
 
-    /// Changes the simulated hand of the session as the settings say, which are restored before. A person of the setup comes first.
+    /// Changes the simulated hand of the session as the settings say, which are restored before. A person of the setup comes first; the
+    /// file of the settings keeps the other one.
     #[must_use]
     pub fn with_hand(mut self, hand: HandControl) -> Self {
         if hand.has_own_person() {
-            self.panels.settings().hand.person = None;
+            self.replaced_person = self.panels.settings().hand.person.take();
         }
         self.hand = Some(hand);
         self
@@ -365,15 +369,27 @@ impl StudioApp {
     fn save_settings(&mut self, context: &egui::Context, is_end: bool) {
         let settings = self.panels.settings();
         settings.window = place_of_window(context).or(settings.window);
+        let kept = self.kept_settings();
         let saved = if is_end {
-            self.settings_file.save(settings)
+            self.settings_file.save(&kept)
         } else {
             let now = context.input(|input| input.time);
-            self.settings_file.save_at(now, settings)
+            self.settings_file.save_at(now, &kept)
         };
         if let Err(error) = saved {
             self.panels.message = Some(error.to_string());
         }
+    }
+
+    /// Returns the settings for the file: with the person that the setup replaces, until another one is chosen.
+    fn kept_settings(&mut self) -> Settings {
+        let mut kept = self.panels.settings().clone();
+        if kept.hand.person.is_some() {
+            self.replaced_person = None;
+        } else {
+            kept.hand.person.clone_from(&self.replaced_person);
+        }
+        kept
     }
 
     fn send(&mut self, command: Command) {
@@ -383,118 +399,6 @@ impl StudioApp {
         };
         if let Err(error) = sent {
             self.panels.message = Some(error.to_string());
-        }
-    }
-}
-
-/// The session that is to be started.
-#[derive(Clone, Copy, Debug)]
-pub enum SessionRequest<'a> {
-    /// A session with the answers of the first start.
-    First(&'a Answers),
-    /// A session with a changed setup in place of the present one, and whether it starts paused, as the present one is.
-    Change(&'a SetupChange, bool),
-}
-
-/// Starts a session and returns the program for it, or the reason why there is none.
-type OpenSession<'a> = Box<dyn FnMut(SessionRequest) -> Result<StudioApp, String> + 'a>;
-
-/// The program in a window, or the pages of the first start before it.
-pub struct StudioStart<'a> {
-    first: Option<FirstStart>,
-    app: Option<StudioApp>,
-    open: Option<OpenSession<'a>>,
-}
-
-impl<'a> StudioStart<'a> {
-    /// Shows the pages of the first start, and then the program that `open` returns for the answers, and for changes of the setup.
-    pub fn first(
-        first: FirstStart,
-        open: impl FnMut(SessionRequest) -> Result<StudioApp, String> + 'a,
-    ) -> Self {
-        Self {
-            first: Some(first),
-            app: None,
-            open: Some(Box::new(open)),
-        }
-    }
-
-    /// Shows a program, and then those that `open` returns for changes of the setup.
-    pub fn with_changes(
-        mut app: StudioApp,
-        open: impl FnMut(SessionRequest) -> Result<StudioApp, String> + 'a,
-    ) -> Self {
-        app.can_open = true;
-        Self {
-            first: None,
-            app: Some(app),
-            open: Some(Box::new(open)),
-        }
-    }
-
-    /// Returns the program once its session has started.
-    pub fn app(&mut self) -> Option<&mut StudioApp> {
-        self.app.as_mut()
-    }
-
-    /// Draws one picture.
-    pub fn show(&mut self, ui: &mut egui::Ui) {
-        if let Some(app) = &mut self.app {
-            app.show(ui);
-            self.change_setup();
-            return;
-        }
-        let (Some(first), Some(open)) = (&mut self.first, &mut self.open) else {
-            return;
-        };
-        first.update();
-        let Some(answers) = panels::show_first_start(ui, first) else {
-            return;
-        };
-        match open(SessionRequest::First(&answers)) {
-            Ok(mut app) => {
-                if answers.is_calibrated {
-                    app.panels.show_calibration();
-                }
-                app.can_open = true;
-                self.app = Some(app);
-                self.first = None;
-            }
-            Err(reason) => first.error = Some(reason),
-        }
-    }
-
-    /// Replaces the program by one with the change that was chosen, if any. Without it the present one stays.
-    fn change_setup(&mut self) {
-        let (Some(app), Some(open)) = (&mut self.app, &mut self.open) else {
-            return;
-        };
-        let Some(change) = app.panels.take_setup(&app.sensors) else {
-            return;
-        };
-        // The next program reads them.
-        let saved = app.settings_file.save(app.panels.settings());
-        let is_paused = app.model.view.state.paused_by.is_some();
-        let opened = open(SessionRequest::Change(&change, is_paused));
-        match (saved.map_err(|error| error.to_string()), opened) {
-            (saved, Ok(mut other)) => {
-                other.can_open = true;
-                other.sensors.keep_glove(&mut app.sensors);
-                other.panels.keep_devices(&mut app.panels);
-                other.panels.message = saved.err().or(other.panels.message);
-                self.app = Some(other);
-            }
-            (_, Err(reason)) => app.panels.refuse(reason),
-        }
-    }
-}
-
-impl From<StudioApp> for StudioStart<'_> {
-    fn from(app: StudioApp) -> Self {
-        Self {
-            first: None,
-            app: Some(app),
-            open: None,
         }
     }
 }
