@@ -17,7 +17,7 @@
 //!   the layout because of an error, as far as their places are written.
 //! - [`LayoutEditor::apply`] makes an edit, which is one step of [`undo`](LayoutEditor::undo). While a drag lasts,
 //!   [`LayoutEditor::amend`] replaces the last edit by one with the whole distance of the drag, so that a drag is one step.
-//!   Both select the parts that were edited or added.
+//!   Both select the parts that were edited or added. An edit that changes nothing is no step.
 //!   [`LayoutEditor::after`] tells the problems that an edit would lead to, which is not made.
 //! - [`LayoutEditor::value`] is a field as written (`None`: the default), [`FieldSpec`]s of [`fields_of`] are the fields that a
 //!   part can have, with units and ranges, for forms. [`Edit::SetField`] sets any of them.
@@ -35,6 +35,7 @@ mod history;
 mod problems;
 mod reach;
 mod recovery;
+mod steps;
 mod trial;
 #[cfg(test)]
 mod fault_tests;
@@ -61,7 +62,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use self::file::EditedFile;
-use self::history::{History, Step};
+use self::history::History;
 use self::recovery::Recovery;
 use ademan_core::contact::TargetId;
 use ademan_core::document::{Document, DocumentError, FileKind, Node, quote, read_tree};
@@ -338,99 +339,6 @@ impl LayoutEditor {
         part.node(&self.text, self.tree.as_ref()?)
     }
 
-    /// Makes an edit. The text may become invalid, which [`problems`](Self::problems) tells; undo leads back.
-    pub fn apply(&mut self, edit: &Edit) -> Result<(), EditError> {
-        let edited = editing::edit(&self.text, edit)?;
-        self.adopt(edited)
-    }
-
-    /// Makes an edit in place of the last one: the present state of a drag.
-    pub fn amend(&mut self, edit: &Edit) -> Result<(), EditError> {
-        let Some(step) = self.history.undo().cloned() else {
-            return self.apply(edit);
-        };
-        // The text in between is not read: a drag on a layout with 10 000 keys reads one text per picture.
-        let edited = match patched(&self.text, &step.undo) {
-            Some(text) => editing::edit(&text, edit).map(|edited| (text, edited)),
-            None => Err(EditError::Overlap),
-        };
-        match edited {
-            Ok((text, edited)) => {
-                let [before, _] = step.selection;
-                (self.text, self.selection) = (text, before);
-                let adopted = self.adopt(edited);
-                if adopted.is_err() {
-                    self.read();
-                }
-                adopted
-            }
-            Err(error) => {
-                self.history.redo();
-                Err(error)
-            }
-        }
-    }
-
-    fn adopt(&mut self, edited: Edited) -> Result<(), EditError> {
-        let mut text = self.text.clone();
-        let (mut undo, mut redo) = (Vec::new(), Vec::new());
-        for patch in edited.patches {
-            let (patched, inverse) = patch.apply(&text).ok_or(EditError::Overlap)?;
-            text = patched;
-            undo.insert(0, inverse);
-            redo.push(patch);
-        }
-        let before = std::mem::take(&mut self.selection);
-        self.text = text;
-        self.read();
-        self.select(edited.parts);
-        self.history.push(Step {
-            undo,
-            redo,
-            selection: [before, self.selection.clone()],
-        });
-        Ok(())
-    }
-
-    /// Undoes the last edit. Returns `false` if there is none.
-    pub fn undo(&mut self) -> bool {
-        let Some(step) = self.history.undo().cloned() else {
-            return false;
-        };
-        let [before, _] = step.selection;
-        self.patch(&step.undo, before);
-        true
-    }
-
-    /// Makes the last undone edit again. Returns `false` if there is none.
-    pub fn redo(&mut self) -> bool {
-        let Some(step) = self.history.redo().cloned() else {
-            return false;
-        };
-        let [_, after] = step.selection;
-        self.patch(&step.redo, after);
-        true
-    }
-
-    /// Returns `true` if there is an edit to undo.
-    pub fn can_undo(&self) -> bool {
-        self.history.can_undo()
-    }
-
-    /// Returns `true` if there is an edit to redo.
-    pub fn can_redo(&self) -> bool {
-        self.history.can_redo()
-    }
-
-    /// Applies patches that were made for the present text.
-    fn patch(&mut self, patches: &[Patch], selection: Vec<Part>) {
-        if let Some(text) = patched(&self.text, patches) {
-            self.text = text;
-        }
-        self.read();
-        self.select(selection);
-    }
-
     /// Reads the present text.
     fn read(&mut self) {
         self.revision += 1;
@@ -463,15 +371,6 @@ impl LayoutEditor {
         self.faulty
             .extend(errors.filter_map(|problem| problem.part));
     }
-}
-
-/// Returns the text after patches that were made for it and for each other.
-fn patched(text: &str, patches: &[Patch]) -> Option<String> {
-    let mut text = text.to_owned();
-    for patch in patches {
-        (text, _) = patch.apply(&text)?;
-    }
-    Some(text)
 }
 
 /// Returns a text as it is written in a layout, in quotes.

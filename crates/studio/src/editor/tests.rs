@@ -294,6 +294,41 @@ fn a_drag_is_one_step() {
 }
 
 #[test]
+fn an_edit_that_changes_nothing_is_no_step_and_leaves_what_can_be_redone() {
+    let board = "(pose: (anchor: elbow), keys: [(code: \"A\", at_mm: (0, 0))])";
+    let mut editor = editor(board);
+    let original = editor.text().to_owned();
+    let drag = |x: f64| Edit::Move {
+        parts: vec![key(0)],
+        by_mm: [x, 0.0, 0.0],
+    };
+    let same = Edit::SetField {
+        parts: vec![key(0)],
+        field: "code".into(),
+        value: Some("\"A\"".into()),
+    };
+    editor.apply(&same).unwrap();
+    assert!(!editor.can_undo());
+    editor.apply(&drag(5.0)).unwrap();
+    let moved = editor.text().to_owned();
+    assert!(editor.undo());
+    editor.apply(&same).unwrap();
+    assert!(editor.can_redo(), "the field has the value already");
+    for x in [1.0, 2.0, 0.0] {
+        editor.amend(&drag(x)).unwrap();
+    }
+    assert!(!editor.can_undo());
+    assert_eq!(editor.text(), original);
+    assert!(editor.can_redo(), "the drag ends where it began");
+    editor.amend(&drag(3.0)).unwrap();
+    assert!(!editor.can_redo());
+    assert!(editor.take_back());
+    assert_eq!(editor.text(), original);
+    assert!(editor.redo(), "the drag was taken back");
+    assert_eq!(editor.text(), moved);
+}
+
+#[test]
 fn a_field_of_a_form_exists_in_the_format() {
     let mut seen = std::collections::BTreeSet::new();
     for name in shipped_layouts() {

@@ -136,7 +136,7 @@ impl EditorPanel {
         }
     }
 
-    /// Ends a drag and undoes it, or deselects everything, or shows the plan from which a board was opened.
+    /// Ends a drag and takes it back, or deselects everything, or shows the plan from which a board was opened.
     pub(super) fn escape(&mut self) {
         if self
             .plan
@@ -144,7 +144,8 @@ impl EditorPanel {
             .as_ref()
             .is_some_and(|drag| self.is_current(drag) && drag.edit.is_some())
         {
-            self.undo();
+            self.editor.take_back();
+            self.message = None;
         }
         if self.plan.is_dragging() {
             self.end_drag();
@@ -372,7 +373,7 @@ fn follow(panel: &mut EditorPanel, change: PlanChange) {
             (Some(_), Some(edit)) => panel.editor.amend(edit),
             (None, Some(edit)) => panel.editor.apply(edit),
             (_, None) => {
-                panel.editor.undo();
+                panel.editor.take_back();
                 Ok(())
             }
         };
