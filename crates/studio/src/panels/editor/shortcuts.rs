@@ -176,3 +176,20 @@ fn handle_clipboard(ui: &egui::Ui, panel: &mut EditorPanel) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::texts::{Language, set_language, text};
+
+    #[test]
+    fn the_hint_of_the_board_names_the_steps_of_the_arrow_keys() {
+        let fine = format!("{FINE_STEP_MM} mm");
+        for language in Language::ALL {
+            set_language(language);
+            let hint = text("editor-hint").replace(',', ".");
+            let grid = text("editor-grid").to_lowercase();
+            assert!(hint.contains(&grid) && hint.contains(&fine), "{hint}");
+        }
+    }
+}
