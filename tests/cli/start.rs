@@ -121,7 +121,11 @@ fn the_glove_with_an_arm_gets_a_keyboard_and_nothing_is_replaced_unasked() {
     run(&folder, &left).done();
     let left_setup = load(&path);
     assert_eq!(left_setup.glove.as_deref(), Some("unam-hc11-left"));
-    assert_eq!(left_setup.layout, "chords-bend");
+    let layout = folder.path().join("qwerty-flat-left.ron");
+    assert_eq!(left_setup.layout, text(&layout));
+    let loaded = left_setup.load_files().expect("all files");
+    assert_eq!(loaded.layout.name, "qwerty-flat-left");
+    assert!(loaded.reach_report(&loaded.layout).is_none());
     assert_eq!(
         fs::read(folder.path().join("mine.ron.bak")).expect("a file"),
         before

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use super::{DEFAULT_GLOVES, DEFAULT_LUCIDGLOVES, Setup, SetupError, of_side};
+use super::{DEFAULT_GLOVES, DEFAULT_LUCIDGLOVES, LoadedSetup, Setup, SetupError, of_side};
 use crate::capture::protocol::{PositionNoise, lucidgloves};
 use crate::capture::{SampleKind, SourceUri};
+use ademan_core::document::Document;
 use ademan_core::hand::Side;
+use ademan_core::layout::{Layout, mirror_layout};
 
 /// The setup in the configuration folder that every run without another one uses.
 pub const OWN_SETUP: &str = "setup.ron";
@@ -48,19 +50,9 @@ impl Setup {
 
     /// Returns the first layout whose keys the hand of the setup reaches, or the one of fingers that bend.
     pub fn proposed_layout(&self) -> Result<&'static str, SetupError> {
-        let protocol = self.source.as_ref().and_then(SourceUri::protocol);
-        let noise = protocol.map(|protocol| protocol.position_noise);
-        let candidates: &[&'static str] = match protocol.map(|protocol| protocol.sample) {
-            Some(SampleKind::Displacement) => &[ARM],
-            _ if noise == Some(PositionNoise::Landmarks) => &[WEBCAM, CHORDS],
-            _ => &[KEYBOARD, CHORDS],
-        };
-        for candidate in candidates {
-            let setup = Self {
-                layout: (*candidate).to_owned(),
-                ..self.clone()
-            };
-            let loaded = setup.load_files()?;
+        let candidates = self.candidates();
+        for &candidate in candidates {
+            let loaded = self.loaded_with(candidate)?;
             if loaded.reach_report(&loaded.layout).is_none() {
                 return Ok(candidate);
             }
@@ -68,20 +60,52 @@ impl Setup {
         Ok(candidates.last().copied().unwrap_or(KEYBOARD))
     }
 
-    /// Returns the text of a setup file at `path`: source, glove and layout. A glove file beside it is named without its folder.
+    /// Returns the name of a layout that precedes the [proposed one](Self::proposed_layout), and the text of its mirror image, if the
+    /// hand reaches the keys of that: the layouts for one hand are for a right one.
+    pub fn mirrored_layout(&self) -> Result<Option<(&'static str, String)>, SetupError> {
+        for &candidate in self.candidates() {
+            let loaded = self.loaded_with(candidate)?;
+            if loaded.reach_report(&loaded.layout).is_none() {
+                return Ok(None);
+            }
+            let text = mirror_layout(&Document::shipped(candidate)?)?;
+            let mirrored = Layout::from_document(Document::new(candidate, text.as_str()))?;
+            if loaded.reach_report(&mirrored).is_none() {
+                return Ok(Some((candidate, text)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Returns the layouts for the source, in the order in which they are proposed.
+    fn candidates(&self) -> &'static [&'static str] {
+        let protocol = self.source.as_ref().and_then(SourceUri::protocol);
+        let noise = protocol.map(|protocol| protocol.position_noise);
+        match protocol.map(|protocol| protocol.sample) {
+            Some(SampleKind::Displacement) => &[ARM],
+            _ if noise == Some(PositionNoise::Landmarks) => &[WEBCAM, CHORDS],
+            _ => &[KEYBOARD, CHORDS],
+        }
+    }
+
+    fn loaded_with(&self, layout: &str) -> Result<LoadedSetup, SetupError> {
+        let setup = Self {
+            layout: layout.to_owned(),
+            ..self.clone()
+        };
+        setup.load_files()
+    }
+
+    /// Returns the text of a setup file at `path`: source, glove and layout. A file beside it is named without its folder.
     pub fn first_text(&self, path: &Path) -> String {
         let mut fields = Vec::new();
         if let Some(source) = &self.source {
             fields.push(format!("source: {:?}", source.to_string()));
         }
         if let Some(glove) = &self.glove {
-            let file = Path::new(glove);
-            let is_beside = file.parent() == path.parent() && glove.ends_with(".ron");
-            let name = file.file_name().filter(|_| is_beside);
-            let name = name.map_or(glove.clone(), |name| name.to_string_lossy().into_owned());
-            fields.push(format!("glove: {name:?}"));
+            fields.push(format!("glove: {:?}", named_beside(glove, path)));
         }
-        fields.push(format!("layout: {:?}", self.layout));
+        fields.push(format!("layout: {:?}", named_beside(&self.layout, path)));
         let fields: String = fields
             .iter()
             .map(|field| format!("    {field},\n"))
@@ -90,6 +114,16 @@ impl Setup {
             "// Written by the first start. `ademan setup new` shows all fields.\n// It types into other programs with `--output desktop` only.\nSetup(\n{fields})\n"
         )
     }
+}
+
+/// Returns the name of a file as a setup file at `path` names it: without its folder, if that is the same.
+fn named_beside(name: &str, path: &Path) -> String {
+    let file = Path::new(name);
+    let is_beside = file.parent() == path.parent() && name.ends_with(".ron");
+    let short = file.file_name().filter(|_| is_beside);
+    short.map_or(name.to_owned(), |short| {
+        short.to_string_lossy().into_owned()
+    })
 }
 
 #[cfg(test)]
@@ -119,6 +153,21 @@ mod tests {
     }
 
     #[test]
+    fn a_left_hand_with_an_arm_gets_the_mirror_image_of_the_keyboard() {
+        let mirrored = |source: &str, side| {
+            let setup = Setup::for_hand(Some(source.parse().unwrap()), side, None);
+            setup.mirrored_layout().unwrap()
+        };
+        let serial = "serial:/dev/ttyUSB0";
+        let (name, text) = mirrored(serial, Side::Left).expect("a layout");
+        assert_eq!(name, KEYBOARD);
+        assert!(text.contains("hand: \"left\""), "{text}");
+        assert_eq!(mirrored(serial, Side::Right), None);
+        let curls = "serial:/dev/ttyUSB0?protocol=lucidgloves";
+        assert_eq!(mirrored(curls, Side::Left), None, "it measures no arm");
+    }
+
+    #[test]
     fn the_setup_file_has_the_answers_and_is_read_again() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a \"b\".ron");
@@ -135,6 +184,13 @@ mod tests {
         };
         fs::write(&path, setup.first_text(&path)).unwrap();
         assert!(setup.first_text(&path).contains("glove: \"mine.ron\""));
+        let layout = folder.path().join("left.ron");
+        let beside = Setup {
+            layout: layout.to_string_lossy().into_owned(),
+            ..setup.clone()
+        };
+        let text = beside.first_text(&path);
+        assert!(text.contains("layout: \"left.ron\""), "{text}");
         assert_eq!(Setup::load(path.to_str().unwrap()).unwrap(), setup);
         let shipped = Setup {
             glove: Some("unam-hc11-left".into()),

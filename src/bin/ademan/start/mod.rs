@@ -78,10 +78,13 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let path = setup_path(&args)?;
     let destination = Destination::new(Some(path), &Document::new(OWN_SETUP, ""), args.force)?;
     let mut setup = worn(source, &args, &questions)?;
-    setup.layout = layout::choose(args.layout.as_deref(), &setup, &questions)?;
+    let given = args.layout.as_deref();
+    let layout = layout::choose(given, &setup, &questions, destination.path())?;
+    setup.layout.clone_from(&layout.name);
     calibrate(&mut setup, &args, &questions, destination.path())?;
     // A file that is begun is written to its end.
     signals::only_note_stop();
+    layout.write()?;
     if !destination.write(&setup.first_text(destination.path()), "")? {
         return Err(interrupted());
     }
@@ -110,7 +113,8 @@ const LEFT_HAND: &str = "a right hand is simulated here; for a left one: \
 
 /// Shows the simulated hand on a layout, and the commands for a device.
 fn try_simulated(args: &Args, questions: &Questions) -> Result<(), Failure> {
-    let layout = layout::choose(args.layout.as_deref(), &Setup::default(), questions)?;
+    let (given, setup) = (args.layout.as_deref(), Setup::default());
+    let layout = layout::choose(given, &setup, questions, Path::new(OWN_SETUP))?.name;
     let word = shell_word(&layout).into_owned();
     let mut out = io::stdout();
     if args.hand == Some(Side::Left) {
