@@ -8,6 +8,13 @@ use ademan::message::escape_json;
 use ademan::names::UnknownName;
 
 use crate::failure::Failure;
+use crate::messages;
+
+/// Least width of the meanings beside the other columns, in characters.
+const MIN_MEANING: usize = 30;
+
+/// The default of a field that must be written.
+const REQUIRED: &str = "required";
 
 /// Arguments of the list.
 #[derive(clap::Args)]
@@ -35,7 +42,8 @@ pub fn print_tables(args: &Args, tables: Vec<Table>, command: &str) -> Result<()
         let json = serde_json::to_string_pretty(&tables).map_err(io::Error::from)?;
         return Ok(writeln!(out, "{}", escape_json(&json))?);
     }
-    let texts: Vec<String> = tables.iter().map(text).collect();
+    let columns = messages::output_columns().unwrap_or_default();
+    let texts: Vec<String> = tables.iter().map(|table| text(table, columns)).collect();
     Ok(out.write_all(texts.join("\n").as_bytes())?)
 }
 
@@ -66,8 +74,9 @@ fn matching(tables: Vec<Table>, word: &str, command: &str) -> Result<Vec<Table>,
     Ok(found)
 }
 
-/// Returns a table as aligned columns below its name.
-fn text(table: &Table) -> String {
+/// Returns a table below its name: as aligned columns, of which the last one breaks between words, or with the meaning below each
+/// field if they have no room within `columns`, 0 for no limit.
+fn text(table: &Table, columns: usize) -> String {
     let rows: Vec<[String; 4]> = table
         .rows
         .iter()
@@ -80,14 +89,62 @@ fn text(table: &Table) -> String {
         widths.max().unwrap_or_default()
     };
     let (name, default, values) = (width(0), width(1), width(2));
-    let mut text = format!("{}: {}\n", table.name, table.meaning.replace('`', ""));
+    let is_narrow = (1..8 + name + default + values + MIN_MEANING).contains(&columns);
+    let title = format!("{}: {}", table.name, table.meaning.replace('`', ""));
+    let mut text = messages::row("", &title, columns) + "\n";
     for row in &rows {
-        let line = format!(
-            "  {:name$}  {:default$}  {:values$}  {}",
-            row[0], row[1], row[2], row[3]
-        );
-        text += line.trim_end();
+        let lines = if is_narrow {
+            narrow_row(row, columns)
+        } else {
+            let first = format!(
+                "  {:name$}  {:default$}  {:values$}  ",
+                row[0], row[1], row[2]
+            );
+            messages::row(&first, &row[3], columns)
+        };
+        text += lines.trim_end();
         text.push('\n');
     }
     text
+}
+
+/// Returns the lines of a row in a narrow terminal: its name, values and default, and its meaning below.
+fn narrow_row([name, default, values, meaning]: &[String; 4], columns: usize) -> String {
+    let default = match default.as_str() {
+        "" | REQUIRED => default.clone(),
+        other => format!("default: {other}"),
+    };
+    let mut facts = vec![values.as_str(), default.as_str()];
+    facts.retain(|fact| !fact.is_empty());
+    let first = messages::row(&format!("  {name}  "), &facts.join("; "), columns);
+    let below = messages::row("      ", meaning, columns);
+    format!("{}\n{below}", first.trim_end())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_narrow_terminal_shows_the_meaning_below_each_field() {
+        let tables = field_tables();
+        let key = tables.iter().find(|table| table.name == "Key");
+        let key = key.expect("the fields of a key");
+        let narrow = text(key, 60);
+        println!("{narrow}");
+        assert!(narrow.lines().all(|line| line.chars().count() <= 60));
+        let size = "\n  at_mm  2 numbers, each -2000 to 2000 mm; required\n      Center\n";
+        assert!(narrow.contains(size), "{narrow}");
+        let wide = text(key, 0);
+        assert_eq!(wide.lines().count(), key.rows.len() + 1);
+        let broken = text(key, 130);
+        assert!(broken.lines().all(|line| line.chars().count() <= 130));
+        assert!(broken.lines().count() > key.rows.len() + 1);
+        let names = |of: &str| {
+            of.lines()
+                .filter(|line| line.starts_with("  at_mm"))
+                .count()
+        };
+        assert_eq!([&narrow, &broken, &wide].map(|it| names(it)), [1; 3]);
+    }
 }
