@@ -32,8 +32,9 @@ use ratatui::widgets::Widget;
 use self::cut::cut;
 use self::parts::{Part, PartKind, arrange};
 use super::look::Look;
+use crate::messages;
 
-/// Minimum number of rows for messages, if there are that many.
+/// Minimum number of rows for messages, if they have that many.
 const MIN_MESSAGES: u16 = 2;
 
 /// Most rows of boards with styles.
@@ -93,7 +94,9 @@ impl Picture<'_> {
         }
         let mut left_out: Vec<&str> = Vec::new();
         let below = self.lines_below(window.width);
-        let messages = MIN_MESSAGES.min(self.messages.len() as u16);
+        let latest = self.messages.iter().rev().take(MIN_MESSAGES.into());
+        let messages = latest.map(|message| lines_of(message, window.width).len() as u16);
+        let messages = MIN_MESSAGES.min(messages.sum());
         let count = |groups: &[LineGroup]| -> u16 {
             let lines = groups.iter().map(|group| group.lines.len() as u16);
             lines.sum()
@@ -183,17 +186,40 @@ impl Picture<'_> {
         parts
     }
 
-    /// Draws the latest messages that fit, and returns their number.
+    /// Draws the latest messages that fit, and returns their number. Long ones break between words; the end of the latest one is cut if
+    /// it has no room.
     fn draw_messages(&self, buffer: &mut Buffer, area: Rect) -> u16 {
-        let count = usize::from(area.height).min(self.messages.len());
-        let latest = &self.messages[self.messages.len() - count..];
-        for (row, message) in latest.iter().enumerate() {
-            let text = cut(message, area.width);
-            let area = Rect::new(area.x, area.y + row as u16, area.width, 1);
+        let room = usize::from(area.height);
+        let (mut lines, mut count) = (Vec::new(), 0);
+        for message in self.messages.iter().rev() {
+            let mut own = lines_of(message, area.width);
+            if own.len() > room && count == 0 && room > 0 {
+                own.truncate(room);
+                own[room - 1].push_str(" …");
+            }
+            if lines.len() + own.len() > room {
+                break;
+            }
+            lines.splice(0..0, own);
+            count += 1;
+        }
+        for (line, y) in lines.iter().zip(area.y..) {
+            let text = cut(line, area.width);
+            let area = Rect::new(area.x, y, area.width, 1);
             Line::styled(text, self.look.faint()).render(area, buffer);
         }
-        count as u16
+        count
     }
+}
+
+/// Returns the lines of a message in this many columns, at least one.
+fn lines_of(message: &str, width: u16) -> Vec<String> {
+    let broken = messages::row("", message, width.into());
+    let mut lines: Vec<String> = broken.lines().map(str::to_owned).collect();
+    if lines.is_empty() {
+        lines.push(String::new());
+    }
+    lines
 }
 
 /// Lines that are shown or left out together.

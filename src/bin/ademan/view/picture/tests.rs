@@ -86,6 +86,31 @@ fn eighty_by_twenty_four_characters_show_every_shipped_layout() {
 }
 
 #[test]
+fn a_long_message_goes_on_in_the_next_row() {
+    let words = "the glove sends nothing: check its cable, its port and its bit rate, or name another source";
+    let view = view("numpad");
+    let drawn_at = |columns: u16| {
+        let area = Rect::new(0, 0, columns, 24);
+        let mut buffer = Buffer::empty(area);
+        let messages = ["first".to_owned(), words.to_owned()];
+        let picture = Picture {
+            view: &view,
+            task: &[],
+            messages: &messages,
+            look: COLORED,
+        };
+        picture.draw(&mut buffer, area);
+        text(&buffer)
+    };
+    let narrow = drawn_at(60);
+    let mut lines = narrow.lines().map(str::trim_end);
+    let first = "the glove sends nothing: check its cable, its port and its";
+    assert!(lines.any(|line| line == first), "{narrow}");
+    assert_eq!(lines.next(), Some("bit rate, or name another source"));
+    assert!(drawn_at(100).contains(words));
+}
+
+#[test]
 fn two_hands_are_drawn_side_by_side_the_left_one_first() {
     let text = text(&drawn(&view("qwerty-two-flat"), COLORED, 100, 30));
     let row = text.lines().find(|line| line.contains("│ W │")).unwrap();
