@@ -4,7 +4,7 @@ pub mod convert;
 mod json;
 
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::document::{Document, FileKind};
@@ -15,6 +15,7 @@ use ademan::report::heats;
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};
 
 use crate::failure::Failure;
+use crate::view::look::Look;
 use crate::{complete, lab, layout_check};
 
 /// Examples of the command.
@@ -61,6 +62,17 @@ pub struct Args {
 /// A picture of a file format.
 type Picture = Vec<u8>;
 
+/// Returns the drawing of a layout for standard output, whose terminal may lack box characters. Files and pipes have no locale.
+fn drawing(layout: &Layout) -> String {
+    let text = layout.to_text();
+    let escaped = escape_lines(&text);
+    if io::stdout().is_terminal() {
+        Look::from_environment().text(&escaped).into_owned()
+    } else {
+        escaped.into_owned()
+    }
+}
+
 /// Draws a layout to standard output, or to each of the files.
 pub fn show(args: &Args) -> Result<(), Failure> {
     let document = Document::open_kind(FileKind::Layout, &args.file)?;
@@ -75,8 +87,7 @@ pub fn show(args: &Args) -> Result<(), Failure> {
         ));
     }
     if targets.iter().all(|target| target.is_none()) {
-        let text = draft.layout().to_text();
-        io::stdout().write_all(escape_lines(&text).as_bytes())?;
+        io::stdout().write_all(drawing(draft.layout()).as_bytes())?;
         return Ok(refused?);
     }
     let (setup, wearer) = match refused {

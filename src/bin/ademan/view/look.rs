@@ -1,6 +1,7 @@
 //! Colours and characters, as the environment asks for them: `NO_COLOR`, `CLICOLOR`, `CLICOLOR_FORCE`, `TERM` and the
 //! locale.
 
+use std::borrow::Cow;
 use std::env;
 
 use ademan::hand::{Finger, Side};
@@ -109,6 +110,17 @@ impl Look {
         }
     }
 
+    /// Returns a text with other characters in place of those that the locale does not have.
+    pub fn text(self, text: &str) -> Cow<'_, str> {
+        if self.is_unicode || text.is_ascii() {
+            return text.into();
+        }
+        let replaced = text
+            .chars()
+            .map(|it| if it.is_ascii() { it } else { ascii(it) });
+        replaced.collect::<String>().into()
+    }
+
     /// Replaces all characters that the locale does not have.
     pub fn apply(self, buffer: &mut Buffer) {
         if self.is_unicode {
@@ -168,7 +180,9 @@ fn ascii(character: char) -> char {
         '○' => 'o',
         '▶' => '>',
         '°' => ' ',
-        '↵' | '⇥' => '/',
+        '↵' | '⏎' | '⇥' => '/',
+        '⇧' => '^',
+        '⌫' => '<',
         '\u{2801}'..='\u{28ff}' => '#',
         _ => '?',
     }
@@ -199,6 +213,21 @@ mod tests {
         for (variables, expected) in table {
             assert_eq!(look(variables).has_colors, expected, "{variables:?}");
         }
+    }
+
+    #[test]
+    fn a_text_has_the_characters_of_the_locale() {
+        let drawing = "┌──┐\n│⏎ │\n└──┘\n";
+        let ascii = Look {
+            has_colors: false,
+            is_unicode: false,
+        };
+        assert_eq!(ascii.text(drawing), "+--+\n|/ |\n+--+\n");
+        let unicode = Look {
+            is_unicode: true,
+            ..ascii
+        };
+        assert_eq!(unicode.text(drawing), drawing);
     }
 
     #[test]
