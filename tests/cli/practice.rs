@@ -269,7 +269,7 @@ fn a_lesson_of_chords_names_the_fingers_and_counts_each_chord() {
 fn a_text_that_cannot_be_typed_is_refused() {
     let state = tempfile::tempdir().unwrap();
     for (arguments, reason) in [
-        (&["--text", "ñandú"][..], "cannot type this text"),
+        (&["--text", "日本"][..], "cannot type this text"),
         (&["--text", "  "], "nothing to type"),
         (&["--layout", "arrows"], "no key of"),
         (&["--lesson", "chords"], "no chords of bent fingers"),
@@ -284,13 +284,21 @@ fn a_text_that_cannot_be_typed_is_refused() {
 }
 
 #[test]
+fn a_text_with_accents_is_practiced_with_plain_letters() {
+    let state = tempfile::tempdir().unwrap();
+    let ended = run(state.path(), &["--text", "¿ñandú?"]).done();
+    assert!(ended.out.contains("text       nandu?\n"), "{}", ended.out);
+    assert!(ended.err.contains("plain ones"), "{}", ended.err);
+}
+
+#[test]
 fn a_byte_order_mark_is_no_part_of_a_file_and_a_cut_is_said() {
     let state = tempfile::tempdir().unwrap();
     let marked = file(&state, "marked.txt", "\u{feff}hola\n");
     let ended = run(state.path(), &["--file", &marked]).done();
     assert!(ended.out.contains("text       hola\n"), "{}", ended.out);
-    let long = "é".repeat(1001);
-    for (typed, is_cut) in [(&long[..], true), (&long[..2000], false)] {
+    let long = "日".repeat(1001);
+    for (typed, is_cut) in [(&long[..], true), (&long[..3000], false)] {
         let refused = run(state.path(), &["--text", typed]);
         let said = refused.err.contains("the first 1000 characters");
         assert_eq!(said, is_cut, "{}", refused.err);

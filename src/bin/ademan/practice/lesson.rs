@@ -12,6 +12,7 @@ use ademan::layout::Layout;
 use ademan::message::{escape, escape_path};
 use ademan::setup::LoadedSetup;
 use ademan::sim::{HandAction, taps_for_text};
+use ademan_text::model::alphabet::plain;
 use clap::ValueEnum;
 
 use super::Args;
@@ -80,8 +81,8 @@ impl Lesson {
     pub fn choose(args: &Args, setup: &LoadedSetup, number: usize) -> Result<Self, Failure> {
         let (layout, finds_letters) = (&setup.layout, setup.finds_letters());
         let (name, text) = match (&args.text, &args.file, args.lesson) {
-            (Some(text), ..) => ("text", first_line(text)),
-            (None, Some(path), _) => ("file", read(path)?),
+            (Some(text), ..) => ("text", typeable(first_line(text), setup)),
+            (None, Some(path), _) => ("file", typeable(read(path)?, setup)),
             (None, None, Some(LessonKind::Chords)) => ("chords", chords(layout)?),
             (None, None, Some(LessonKind::Spanish)) => {
                 built_in("spanish", &SPANISH, setup, number)?
@@ -138,6 +139,35 @@ fn built_in(
     } else {
         Ok((name, possible[number % possible.len()].to_string()))
     }
+}
+
+/// Returns a text with plain letters in place of those with accents that the layout cannot type, and without opening marks that it
+/// cannot type. Prints a message if it differs.
+fn typeable(text: String, setup: &LoadedSetup) -> String {
+    let plainer = without_accents(&text, |character| {
+        taps_for_text(character, &setup.layout, setup.finds_letters()).is_ok()
+    });
+    if plainer != text {
+        say!("the layout has no keys for letters with accents; the lesson has plain ones");
+    }
+    plainer
+}
+
+/// Does what [`typeable`] does for a layout that `can_type` a character.
+fn without_accents(text: &str, can_type: impl Fn(&str) -> bool) -> String {
+    let mut plainer = String::with_capacity(text.len());
+    for character in text.chars() {
+        let own = character.to_string();
+        if character.is_ascii() || can_type(&own) {
+            plainer.push(character);
+        } else if character.is_uppercase() {
+            let lower = character.to_lowercase();
+            plainer.extend(lower.map(plain).flat_map(char::to_uppercase));
+        } else if !matches!(character, '¿' | '¡') {
+            plainer.push(plain(character));
+        }
+    }
+    plainer
 }
 
 /// Returns the fingers of each character of a text that fingers type together.
@@ -253,6 +283,15 @@ mod tests {
                 assert_eq!(found, ("name", (*text).to_owned()), "{layout}");
             }
         }
+    }
+
+    #[test]
+    fn accents_that_a_layout_cannot_type_are_left_out() {
+        let us = |text: &str| without_accents(text, |character| character.is_ascii());
+        assert_eq!(us("¿El niño comió en Ávila?"), "El nino comio en Avila?");
+        assert_eq!(us("日本 €"), "日本 €", "they have no plain letter");
+        let spanish = |text: &str| without_accents(text, |character| "ñ¿".contains(character));
+        assert_eq!(spanish("¿niño, razón?"), "¿niño, razon?");
     }
 
     #[test]
