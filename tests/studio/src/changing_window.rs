@@ -1,6 +1,6 @@
 //! Studio in a window without a display, in which each change of the setup leads to another session.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::path::Path;
 use std::rc::Rc;
 use std::thread;
@@ -61,6 +61,8 @@ fn begin(
 /// A window whose layout and devices can be changed.
 pub struct ChangingWindow {
     pub harness: Harness<'static, StudioStart<'static>>,
+    /// The session after the next change does not start while this is set, as if an output waited for a permission.
+    pub is_held: Rc<Cell<bool>>,
     running: Running,
 }
 
@@ -90,14 +92,31 @@ impl ChangingWindow {
         let running = Running::default();
         let app = begin(setup, false, settings, &running).expect("a session");
         let (path, sessions) = (settings.to_owned(), Rc::clone(&running));
-        let content = StudioStart::with_changes(app, move |request| match request {
-            SessionRequest::Change(change, is_paused) => {
-                let before = sessions.borrow().0.clone();
-                let next = change.apply(before).map_err(|error| error.to_string())?;
-                let is_paused = is_paused || change.needs_resume(&next);
-                begin(next, is_paused, &path, &sessions)
+        let is_held = Rc::new(Cell::new(false));
+        let (holds, mut pending) = (Rc::clone(&is_held), None);
+        let content = StudioStart::with_changes(app, move |request| {
+            let before = sessions.borrow().0.clone();
+            let (next, is_paused) = match request {
+                SessionRequest::Change(change, is_paused) => {
+                    let next = change.apply(before).map_err(|error| error.to_string())?;
+                    let is_paused = is_paused || change.needs_resume(&next);
+                    (next, is_paused)
+                }
+                SessionRequest::Wait => pending.take().expect("a session that is held"),
+                SessionRequest::Cancel => {
+                    pending = None;
+                    return begin(before, false, &path, &sessions).map(Some);
+                }
+                SessionRequest::First(_) => {
+                    return Err("this is not the first start".to_owned());
+                }
+            };
+            if holds.get() {
+                drop(sessions.borrow_mut().1.take());
+                pending = Some((next, is_paused));
+                return Ok(None);
             }
-            SessionRequest::First(_) => Err("this is not the first start".to_owned()),
+            begin(next, is_paused, &path, &sessions).map(Some)
         });
         let builder = Harness::builder()
             .with_size([1280.0, 720.0])
@@ -108,6 +127,7 @@ impl ChangingWindow {
             .wgpu();
         let mut window = Self {
             harness: builder.build_ui_state(|ui, content| content.show(ui), content),
+            is_held,
             running,
         };
         window.draw();

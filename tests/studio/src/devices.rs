@@ -131,6 +131,26 @@ fn the_person_of_the_settings_returns_after_one_of_the_setup() {
 }
 
 #[test]
+fn a_session_that_waits_for_a_permission_can_be_cancelled() {
+    let (mut window, _folder) = open();
+    let before = window.setup();
+    window.is_held.set(true);
+    choose(&mut window, text("devices-person"), "adult");
+    assert!(window.has(text("devices-waiting")));
+    assert_eq!(window.setup(), before);
+    window.click(text("editor-cancel"));
+    assert!(!window.has(text("devices-waiting")));
+    assert_eq!(window.setup(), before);
+    window.wait_for("readings", |app| app.model().stats.accepted > 100);
+    choose(&mut window, text("devices-person"), "adult");
+    assert!(window.has(text("devices-waiting")));
+    window.is_held.set(false);
+    window.draw();
+    assert!(!window.has(text("devices-waiting")));
+    assert_eq!(window.setup().person.as_deref(), Some("adult"));
+}
+
+#[test]
 fn an_output_into_other_programs_waits_for_the_person() {
     let (mut window, _folder) = open_on("piano");
     window.enter(text("devices-output"), "osc:127.0.0.1:9");

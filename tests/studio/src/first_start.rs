@@ -82,7 +82,7 @@ impl FirstWindow {
             let (app, handle) = begin(answers)?;
             *given.borrow_mut() = Some(answers.clone());
             *started.borrow_mut() = Some(handle);
-            Ok(app)
+            Ok(Some(app))
         });
         let builder = Harness::builder()
             .with_size([1000.0, 640.0])

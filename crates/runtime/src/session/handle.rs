@@ -3,8 +3,9 @@
 use std::panic::resume_unwind;
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
+use std::time::Duration;
 
-use crossbeam_channel::{Receiver, Sender, bounded, never};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded, never};
 
 use super::command_channel::CommandSender;
 use super::layout_trial::LayoutTrial;
@@ -90,6 +91,28 @@ impl SessionHandle {
     pub fn wait_until_started(&self) -> bool {
         let wait = || self.started.recv().is_ok();
         *self.has_started.get_or_init(wait)
+    }
+
+    /// Waits as [`wait_until_started`](Self::wait_until_started) does, for at most `timeout`. Returns `None` if the session has neither
+    /// started nor ended by then: a desktop may ask the person whether an output is permitted.
+    pub fn wait_for_start(&self, timeout: Duration) -> Option<bool> {
+        if let Some(has_started) = self.has_started.get() {
+            return Some(*has_started);
+        }
+        let has_started = match self.started.recv_timeout(timeout) {
+            Ok(()) => true,
+            Err(RecvTimeoutError::Disconnected) => false,
+            Err(RecvTimeoutError::Timeout) => return None,
+        };
+        Some(*self.has_started.get_or_init(|| has_started))
+    }
+
+    /// Stops the session without waiting for its end, which may be far while an output waits for a permission. Outputs that open later
+    /// are closed before the first reading.
+    pub fn abandon(mut self) {
+        // A session that has ended receives nothing.
+        let _ = self.commands.send(Command::Stop);
+        drop(self.thread.take());
     }
 
     /// Waits for the end of the session.

@@ -6,6 +6,7 @@ use super::StudioApp;
 use crate::first_start::{Answers, FirstStart};
 use crate::panels;
 use crate::setup_change::SetupChange;
+use crate::texts::text;
 
 /// The session that is to be started.
 #[derive(Clone, Copy, Debug)]
@@ -14,41 +15,56 @@ pub enum SessionRequest<'a> {
     First(&'a Answers),
     /// A session with a changed setup in place of the present one, and whether it starts paused, as the present one is.
     Change(&'a SetupChange, bool),
+    /// The session that was asked for before, which has not started.
+    Wait,
+    /// A session on the setup before in place of one that has not started.
+    Cancel,
 }
 
-/// Starts a session and returns the program for it, or the reason why there is none.
-type OpenSession<'a> = Box<dyn FnMut(SessionRequest) -> Result<StudioApp, String> + 'a>;
+/// The program for a session, or the reason why there is none. `None` while the session has not started.
+type Opened = Result<Option<StudioApp>, String>;
+
+/// Starts a session, and may wait for it as long as a picture may take.
+type OpenSession<'a> = Box<dyn FnMut(SessionRequest) -> Opened + 'a>;
 
 /// The program in a window, or the pages of the first start before it.
 pub struct StudioStart<'a> {
     first: Option<FirstStart>,
     app: Option<StudioApp>,
     open: Option<OpenSession<'a>>,
+    /// The session of the program has ended, and the next one has not started.
+    is_waiting: bool,
+    /// Reason why the settings were not written before the next session.
+    unsaved: Option<String>,
 }
 
 impl<'a> StudioStart<'a> {
     /// Shows the pages of the first start, and then the program that `open` returns for the answers, and for changes of the setup.
     pub fn first(
         first: FirstStart,
-        open: impl FnMut(SessionRequest) -> Result<StudioApp, String> + 'a,
+        open: impl FnMut(SessionRequest) -> Result<Option<StudioApp>, String> + 'a,
     ) -> Self {
         Self {
             first: Some(first),
             app: None,
             open: Some(Box::new(open)),
+            is_waiting: false,
+            unsaved: None,
         }
     }
 
     /// Shows a program, and then those that `open` returns for changes of the setup.
     pub fn with_changes(
         mut app: StudioApp,
-        open: impl FnMut(SessionRequest) -> Result<StudioApp, String> + 'a,
+        open: impl FnMut(SessionRequest) -> Result<Option<StudioApp>, String> + 'a,
     ) -> Self {
         app.can_open = true;
         Self {
             first: None,
             app: Some(app),
             open: Some(Box::new(open)),
+            is_waiting: false,
+            unsaved: None,
         }
     }
 
@@ -61,7 +77,11 @@ impl<'a> StudioStart<'a> {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         if let Some(app) = &mut self.app {
             app.show(ui);
-            self.change_setup();
+            if self.is_waiting {
+                self.wait(ui);
+            } else {
+                self.change_setup();
+            }
             return;
         }
         let (Some(first), Some(open)) = (&mut self.first, &mut self.open) else {
@@ -72,7 +92,8 @@ impl<'a> StudioStart<'a> {
             return;
         };
         match open(SessionRequest::First(&answers)) {
-            Ok(mut app) => {
+            Ok(None) => {}
+            Ok(Some(mut app)) => {
                 if answers.is_calibrated {
                     app.panels.show_calibration();
                 }
@@ -97,17 +118,56 @@ impl<'a> StudioStart<'a> {
         let saved = app.settings_file.save(&kept);
         let is_paused = app.model.view.state.paused_by.is_some();
         let opened = open(SessionRequest::Change(&change, is_paused));
-        match (saved.map_err(|error| error.to_string()), opened) {
-            (saved, Ok(mut other)) => {
+        self.unsaved = saved.err().map(|error| error.to_string());
+        self.adopt(opened);
+    }
+
+    /// Shows that the next session has not started, and a button that leads back to the setup before.
+    fn wait(&mut self, ui: &egui::Ui) {
+        let Some(open) = &mut self.open else {
+            return;
+        };
+        let request = if is_cancelled(ui) {
+            SessionRequest::Cancel
+        } else {
+            SessionRequest::Wait
+        };
+        let opened = open(request);
+        self.adopt(opened);
+    }
+
+    /// Replaces the program by the one for the next session, if that has started.
+    fn adopt(&mut self, opened: Opened) {
+        self.is_waiting = matches!(opened, Ok(None));
+        let Some(app) = &mut self.app else {
+            return;
+        };
+        // The next picture comes soon.
+        app.has_changed = true;
+        match opened {
+            Ok(None) => {}
+            Ok(Some(mut other)) => {
                 other.can_open = true;
                 other.sensors.keep_glove(&mut app.sensors);
                 other.panels.keep_devices(&mut app.panels);
-                other.panels.message = saved.err().or(other.panels.message);
+                other.panels.message = self.unsaved.take().or(other.panels.message);
                 self.app = Some(other);
             }
-            (_, Err(reason)) => app.panels.refuse(reason),
+            Err(reason) => app.panels.refuse(reason),
         }
     }
+}
+
+/// Shows that a session has not started. Returns `true` once the person no longer waits for it.
+fn is_cancelled(ui: &egui::Ui) -> bool {
+    let modal = egui::Modal::new(egui::Id::unique("session-waiting"));
+    let shown = modal.show(ui.ctx(), |content| {
+        content.strong(text("devices-waiting"));
+        content.label(text("devices-waiting-words"));
+        content.add_space(8.0);
+        content.button(text("editor-cancel")).clicked()
+    });
+    shown.inner || ui.input(|input| input.key_pressed(egui::Key::Escape))
 }
 
 impl From<StudioApp> for StudioStart<'_> {
@@ -116,6 +176,8 @@ impl From<StudioApp> for StudioStart<'_> {
             first: None,
             app: Some(app),
             open: None,
+            is_waiting: false,
+            unsaved: None,
         }
     }
 }

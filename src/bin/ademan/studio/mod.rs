@@ -9,6 +9,8 @@ mod headset;
 #[cfg(feature = "studio")]
 mod mesa;
 #[cfg(feature = "studio")]
+mod next_session;
+#[cfg(feature = "studio")]
 mod sessions;
 #[cfg(feature = "studio")]
 mod source;

@@ -1,27 +1,37 @@
 //! The session of the window, which is replaced by another one when the setup changes.
 
 use std::cell::RefCell;
+use std::time::Duration;
 
-use ademan::capture::{self, SourceUri};
 use ademan::command::Command;
-use ademan::message::escape;
 use ademan::output;
-use ademan::session::{SessionHandle, SessionOptions};
-use ademan::setup::{LoadedSetup, Setup, continued_outputs};
+use ademan::session::SessionHandle;
+use ademan::setup::Setup;
 use ademan::studio::first_start::Answers;
 use ademan::studio::setup_change::SetupChange;
-use ademan::studio::simulated::HandControl;
 use ademan::studio::{SessionRequest, StudioApp, StudioError};
 
-use super::window::{NO_OUTPUT, launch, live_app, live_options};
-use super::{first, headset_link, source};
+use super::first;
+use super::next_session::{Next, Pending};
+use super::window::{NO_OUTPUT, live_app};
 use crate::failure::Failure;
 use crate::root_args::RootArgs;
+
+/// Time for which the window waits for a session that starts: as long as a compositor usually takes.
+const START_TIMEOUT: Duration = Duration::from_millis(300);
+
+/// Time for which each picture waits after that.
+const PICTURE_TIMEOUT: Duration = Duration::from_millis(10);
+
+/// The reason why a change does not apply that was cancelled.
+const CANCELLED: &str = "the change was cancelled before its source and outputs were open";
 
 /// The setup of the window as it was named, and its session, unless that has not started or has ended.
 pub struct Sessions {
     setup: RefCell<Setup>,
     running: RefCell<Option<SessionHandle>>,
+    /// The next session, while none runs.
+    pending: RefCell<Option<Pending>>,
     root: RootArgs,
 }
 
@@ -31,6 +41,7 @@ impl Sessions {
         Self {
             setup: RefCell::new(setup),
             running: RefCell::new(running),
+            pending: RefCell::default(),
             root,
         }
     }
@@ -43,16 +54,22 @@ impl Sessions {
         create(self.running.borrow().as_ref().ok_or(StudioError::Ended)?)
     }
 
-    /// Returns the session, and leaves none.
+    /// Returns the session, and leaves none. One that has not started is stopped.
     pub fn take(&self) -> Option<SessionHandle> {
+        if let Some(pending) = self.pending.take() {
+            pending.session.abandon();
+        }
         self.running.take()
     }
 
-    /// Starts a session and returns the program for it, or the reason why there is none.
-    pub fn open(&self, request: SessionRequest) -> Result<StudioApp, String> {
+    /// Starts a session and returns the program for it, or the reason why there is none. `None` while its source or its outputs are not
+    /// open.
+    pub fn open(&self, request: SessionRequest) -> Result<Option<StudioApp>, String> {
         let opened = match request {
-            SessionRequest::First(answers) => self.open_first(answers),
+            SessionRequest::First(answers) => self.open_first(answers).map(Some),
             SessionRequest::Change(change, is_paused) => self.change(change, is_paused),
+            SessionRequest::Wait => self.go_on(),
+            SessionRequest::Cancel => self.cancel(),
         };
         opened.map_err(|failure| failure.to_string())
     }
@@ -70,7 +87,7 @@ impl Sessions {
     /// Starts a session with a change of the setup. The present session goes on if a check finds that the change cannot be used;
     /// otherwise it ends, with everything released, before the other one starts. If that fails, a session on the setup before starts,
     /// which shows the reason.
-    fn change(&self, change: &SetupChange, is_paused: bool) -> Result<StudioApp, Failure> {
+    fn change(&self, change: &SetupChange, is_paused: bool) -> Result<Option<StudioApp>, Failure> {
         let before = self.setup.borrow().clone();
         let mut setup = change.apply(before.clone())?;
         setup.use_token_roles()?;
@@ -79,13 +96,80 @@ impl Sessions {
         next.check_devices(&before)?;
         self.root.check(output::has_effect(&next.base.output))?;
         self.end_present();
-        let failure = match self.begin(next, is_paused || needs_resume) {
-            Ok(app) => return Ok(app),
-            Err(failure) => failure,
-        };
+        let back = (before, is_paused);
+        match Pending::launch(next, is_paused || needs_resume) {
+            Ok(pending) => {
+                let back = Some(back);
+                self.wait(Pending { back, ..pending }, START_TIMEOUT)
+            }
+            Err(failure) => self.go_back(back, failure.to_string()),
+        }
+    }
+
+    /// Returns the program for the pending session once that has started.
+    fn go_on(&self) -> Result<Option<StudioApp>, Failure> {
+        match self.pending.take() {
+            Some(pending) => self.wait(pending, PICTURE_TIMEOUT),
+            None => Err(Failure::job(StudioError::Ended.to_string())),
+        }
+    }
+
+    /// Stops the pending session, whose outputs may wait for a permission, and starts one on the setup before.
+    fn cancel(&self) -> Result<Option<StudioApp>, Failure> {
+        let back = self.pending.take().and_then(|pending| {
+            pending.session.abandon();
+            pending.back
+        });
+        match back {
+            Some(back) => self.go_back(back, CANCELLED.to_owned()),
+            None => Err(Failure::job(CANCELLED)),
+        }
+    }
+
+    /// Starts a session on the setup before, which shows why the change does not apply.
+    fn go_back(
+        &self,
+        (before, is_paused): (Setup, bool),
+        reason: String,
+    ) -> Result<Option<StudioApp>, Failure> {
         let written = before.output.clone();
-        let app = self.begin(Next::load(before, &written)?, is_paused)?;
-        Ok(app.with_refusal(failure.to_string()))
+        let pending = Pending::launch(Next::load(before, &written)?, is_paused)?;
+        let refusal = Some(reason);
+        self.wait(Pending { refusal, ..pending }, START_TIMEOUT)
+    }
+
+    /// Waits for a session for at most `timeout`, and returns the program for it if it has started.
+    fn wait(&self, mut pending: Pending, timeout: Duration) -> Result<Option<StudioApp>, Failure> {
+        let Some(has_started) = pending.session.wait_for_start(timeout) else {
+            *self.pending.borrow_mut() = Some(pending);
+            return Ok(None);
+        };
+        let back = pending.back.take();
+        let shown = if has_started {
+            self.show(pending)
+        } else {
+            Err(match pending.session.join() {
+                Ok(_) => Failure::job(StudioError::Ended.to_string()),
+                Err(error) => error.into(),
+            })
+        };
+        match (shown, back) {
+            (Ok(app), _) => Ok(Some(app)),
+            (Err(failure), Some(back)) => self.go_back(back, failure.to_string()),
+            (Err(failure), None) => Err(failure),
+        }
+    }
+
+    /// Returns the program for a session that has started.
+    fn show(&self, pending: Pending) -> Result<StudioApp, Failure> {
+        let Pending { session, next, .. } = pending;
+        let app = live_app(&session, next.hand).map_err(|error| Failure::job(error.to_string()))?;
+        self.replace(next.base, session);
+        let app = app.with_arm(next.arm.as_ref()).with_headset(next.headset);
+        Ok(match pending.refusal {
+            Some(reason) => app.with_refusal(reason),
+            None => app,
+        })
     }
 
     /// Ends the session, if it has not ended, and releases everything.
@@ -100,90 +184,9 @@ impl Sessions {
         }
     }
 
-    fn begin(&self, next: Next, is_paused: bool) -> Result<StudioApp, Failure> {
-        let arm = next.loaded.arm_document().cloned();
-        let headset = headset_link(&next.loaded)?;
-        let session = launch(next.loaded, next.options)?;
-        if is_paused {
-            // Queued before the first reading, which arms the output of a setup with `arm_immediately`. A session that has ended
-            // receives nothing.
-            let _ = session.commands().send(Command::Pause);
-        }
-        if !session.wait_until_started() {
-            session.join()?;
-            return Err(Failure::job(StudioError::Ended.to_string()));
-        }
-        let app = live_app(&session, next.hand).map_err(|error| Failure::job(error.to_string()))?;
-        self.replace(next.base, session);
-        Ok(app.with_arm(arm.as_ref()).with_headset(headset))
-    }
-
     fn replace(&self, setup: Setup, session: SessionHandle) {
         *self.setup.borrow_mut() = setup;
         *self.running.borrow_mut() = Some(session);
-    }
-}
-
-/// A setup whose files are loaded, for the next session.
-struct Next {
-    /// The setup before its files were loaded.
-    base: Setup,
-    loaded: LoadedSetup,
-    options: SessionOptions,
-    hand: Option<HandControl>,
-}
-
-impl Next {
-    /// Loads the files of a setup. `written` are the outputs of the session before, whose transcripts exist.
-    fn load(base: Setup, written: &str) -> Result<Self, Failure> {
-        let mut options = live_options();
-        let setup = Setup {
-            output: continued_outputs(&base.output, written),
-            ..base.clone()
-        };
-        let (loaded, hand) = source::load(setup, &mut options)?;
-        Ok(Self {
-            base,
-            loaded,
-            options,
-            hand,
-        })
-    }
-
-    /// Checks the outputs, and the sources that the session `before` does not read: it would be in the way of a check of its own.
-    fn check_devices(&self, before: &Setup) -> Result<(), Failure> {
-        output::check(
-            &self.loaded.setup.output,
-            &self.loaded.required_capabilities(),
-        )?;
-        let is_used = |uri: &&SourceUri| before.source_uris().any(|used| is_same_device(used, uri));
-        let new = self.base.source_uris().filter(|uri| !is_used(uri));
-        for uri in new {
-            check_source(uri)?;
-        }
-        Ok(())
-    }
-}
-
-/// Returns `true` if two sources read from one device or address.
-fn is_same_device(one: &SourceUri, other: &SourceUri) -> bool {
-    match (one, other) {
-        (SourceUri::Stream(one), SourceUri::Stream(other)) => one.address == other.address,
-        _ => one == other,
-    }
-}
-
-/// Checks that a source can be opened. One that cannot be checked without an effect counts as present; a serial port is opened.
-fn check_source(uri: &SourceUri) -> Result<(), Failure> {
-    if uri.serial_port().is_some() {
-        return Ok(capture::open(uri).map(drop)?);
-    }
-    match uri.probe() {
-        Some(Err(reason)) => Err(Failure::wrong_use(format!(
-            "cannot open `{}`: {reason}",
-            escape(&uri.to_string())
-        ))),
-        Some(Ok(())) | None => Ok(()),
     }
 }
 
@@ -207,8 +210,32 @@ mod tests {
             ..setup
         };
         let next = Next::load(setup, "").expect("a setup that comes with the program");
-        sessions.begin(next, false).expect("a session");
+        let pending = Pending::launch(next, false).expect("a session");
+        started(&sessions, sessions.wait(pending, START_TIMEOUT)).expect("a session that runs");
         sessions
+    }
+
+    /// Waits until a session has started, and returns the program for it.
+    fn started(
+        sessions: &Sessions,
+        opened: Result<Option<StudioApp>, Failure>,
+    ) -> Result<StudioApp, Failure> {
+        let mut latest = opened;
+        loop {
+            match latest? {
+                Some(app) => return Ok(app),
+                None => latest = sessions.go_on(),
+            }
+        }
+    }
+
+    /// Changes the setup, and waits until the session has started.
+    fn changed(
+        sessions: &Sessions,
+        change: &SetupChange,
+        is_paused: bool,
+    ) -> Result<StudioApp, Failure> {
+        started(sessions, sessions.change(change, is_paused))
     }
 
     /// Returns `true` if the session runs.
@@ -248,7 +275,7 @@ mod tests {
         let sessions = sessions();
         for change in [None, Some(other("typist:8462"))] {
             if let Some(change) = &change {
-                sessions.change(change, false).expect("another session");
+                changed(&sessions, change, false).expect("another session");
             }
             let viewer = sessions.program(|session| Ok(session.add_viewer()));
             let viewer = viewer.expect("a session");
@@ -278,7 +305,7 @@ mod tests {
             ),
             (SetupChange::File("no/such.ron".into()), "no/such.ron"),
         ] {
-            let refused = sessions.change(&change, false);
+            let refused = changed(&sessions, &change, false);
             let message = refused.err().expect("it cannot be used").to_string();
             assert!(message.contains(reason), "{message}");
             assert_eq!(*sessions.setup.borrow(), before, "{change:?}");
@@ -293,7 +320,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("missing/events");
         let output = SetupChange::Output(format!("transcript:{}", file.display()));
-        sessions.change(&output, false).expect("the session before");
+        changed(&sessions, &output, false).expect("the session before");
         assert_eq!(*sessions.setup.borrow(), before);
         assert!(is_running(&sessions));
     }
@@ -304,8 +331,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("events");
         let output = SetupChange::Output(format!("transcript:{}", file.display()));
-        sessions.change(&output, false).expect("a transcript");
-        let app = sessions.change(&other("typist:8462"), false);
+        changed(&sessions, &output, false).expect("a transcript");
+        let app = changed(&sessions, &other("typist:8462"), false);
         app.expect("another session");
         assert_eq!(sessions.setup.borrow().source, "typist:8462".parse().ok());
         for name in ["events", "events.2"] {
@@ -320,7 +347,7 @@ mod tests {
             ..Setup::default()
         });
         let change = SetupChange::Layout("numpad".into());
-        sessions.change(&change, true).expect("another session");
+        changed(&sessions, &change, true).expect("another session");
         let viewer = sessions.program(|session| Ok(session.add_viewer()));
         let viewer = viewer.expect("a session");
         let mut views = viewer.views().iter();
@@ -337,9 +364,34 @@ mod tests {
         let sessions = sessions();
         let first = sessions.program(|session| Ok(session.commands().clone()));
         let change = other("typist:8462");
-        sessions.change(&change, false).expect("another session");
+        changed(&sessions, &change, false).expect("another session");
         assert_eq!(sessions.setup.borrow().source, "typist:8462".parse().ok());
         let first = first.expect("the first session");
         assert!(first.send(Command::State).is_err(), "it has ended");
+    }
+
+    #[test]
+    fn a_change_that_is_cancelled_ends_by_itself_and_leads_back() {
+        let sessions = sessions();
+        let before = sessions.setup.borrow().clone();
+        sessions.end_present();
+        let setup = Setup {
+            source: "typist:8462".parse().ok(),
+            ..before.clone()
+        };
+        let next = Next::load(setup, "").expect("a setup");
+        let pending = Pending::launch(next, false).expect("a session");
+        let viewer = pending.session.add_viewer();
+        *sessions.pending.borrow_mut() = Some(Pending {
+            back: Some((before.clone(), false)),
+            ..pending
+        });
+        started(&sessions, sessions.cancel()).expect("the session before");
+        // The views end with the session that was cancelled.
+        viewer.views().iter().for_each(drop);
+        assert_eq!(*sessions.setup.borrow(), before);
+        assert!(is_running(&sessions));
+        assert!(sessions.cancel().is_err(), "nothing is pending");
+        assert!(is_running(&sessions));
     }
 }

@@ -1,0 +1,121 @@
+//! The session after a change of the setup: its files, the checks of its devices, and its start.
+
+use ademan::capture::{self, SourceUri};
+use ademan::command::Command;
+use ademan::document::Document;
+use ademan::message::escape;
+use ademan::output;
+use ademan::session::{SessionHandle, SessionOptions};
+use ademan::setup::{LoadedSetup, Setup, continued_outputs};
+use ademan::studio::headset::HeadsetLink;
+use ademan::studio::simulated::HandControl;
+
+use super::window::{launch, live_options};
+use super::{headset_link, source};
+use crate::failure::Failure;
+
+/// A session whose source and outputs may not be open.
+pub(super) struct Pending {
+    pub session: SessionHandle,
+    pub next: Shown,
+    /// The setup before, to which a failure leads back, and whether its session starts paused.
+    pub back: Option<(Setup, bool)>,
+    /// Reason why the session is on the setup before.
+    pub refusal: Option<String>,
+}
+
+/// What a window shows of a setup besides its session.
+pub(super) struct Shown {
+    /// The setup before its files were loaded.
+    pub base: Setup,
+    pub hand: Option<HandControl>,
+    pub arm: Option<Document>,
+    pub headset: Option<HeadsetLink>,
+}
+
+impl Pending {
+    /// Starts a session, which opens its source and outputs on a thread of its own.
+    pub fn launch(next: Next, is_paused: bool) -> Result<Self, Failure> {
+        let shown = Shown {
+            base: next.base,
+            hand: next.hand,
+            arm: next.loaded.arm_document().cloned(),
+            headset: headset_link(&next.loaded)?,
+        };
+        let session = launch(next.loaded, next.options)?;
+        if is_paused {
+            // Queued before the first reading, which arms the output of a setup with `arm_immediately`. A session that has ended
+            // receives nothing.
+            let _ = session.commands().send(Command::Pause);
+        }
+        Ok(Self {
+            session,
+            next: shown,
+            back: None,
+            refusal: None,
+        })
+    }
+}
+
+/// A setup whose files are loaded, for the next session.
+pub(super) struct Next {
+    /// The setup before its files were loaded.
+    pub base: Setup,
+    loaded: LoadedSetup,
+    options: SessionOptions,
+    hand: Option<HandControl>,
+}
+
+impl Next {
+    /// Loads the files of a setup. `written` are the outputs of the session before, whose transcripts exist.
+    pub fn load(base: Setup, written: &str) -> Result<Self, Failure> {
+        let mut options = live_options();
+        let setup = Setup {
+            output: continued_outputs(&base.output, written),
+            ..base.clone()
+        };
+        let (loaded, hand) = source::load(setup, &mut options)?;
+        Ok(Self {
+            base,
+            loaded,
+            options,
+            hand,
+        })
+    }
+
+    /// Checks the outputs, and the sources that the session `before` does not read: it would be in the way of a check of its own.
+    pub fn check_devices(&self, before: &Setup) -> Result<(), Failure> {
+        output::check(
+            &self.loaded.setup.output,
+            &self.loaded.required_capabilities(),
+        )?;
+        let is_used = |uri: &&SourceUri| before.source_uris().any(|used| is_same_device(used, uri));
+        let new = self.base.source_uris().filter(|uri| !is_used(uri));
+        for uri in new {
+            check_source(uri)?;
+        }
+        Ok(())
+    }
+}
+
+/// Returns `true` if two sources read from one device or address.
+fn is_same_device(one: &SourceUri, other: &SourceUri) -> bool {
+    match (one, other) {
+        (SourceUri::Stream(one), SourceUri::Stream(other)) => one.address == other.address,
+        _ => one == other,
+    }
+}
+
+/// Checks that a source can be opened. One that cannot be checked without an effect counts as present; a serial port is opened.
+fn check_source(uri: &SourceUri) -> Result<(), Failure> {
+    if uri.serial_port().is_some() {
+        return Ok(capture::open(uri).map(drop)?);
+    }
+    match uri.probe() {
+        Some(Err(reason)) => Err(Failure::wrong_use(format!(
+            "cannot open `{}`: {reason}",
+            escape(&uri.to_string())
+        ))),
+        Some(Ok(())) | None => Ok(()),
+    }
+}
