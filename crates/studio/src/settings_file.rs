@@ -83,7 +83,7 @@ impl SettingsFile {
         // A disk that is full is reported once, and tried again after the next change.
         let before = mem::replace(&mut self.saved, settings.clone());
         let kept = kept_beside(path, settings, &before);
-        let written = kept.and_then(|settings| write(path, &settings));
+        let written = kept.and_then(|merged| write(path, &merged));
         written.map_err(|reason| SettingsError::Write(reason, path.clone()))
     }
 }

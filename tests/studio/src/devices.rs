@@ -120,7 +120,7 @@ fn the_person_of_the_settings_returns_after_one_of_the_setup() {
     let mut window = ChangingWindow::open("numpad", &settings);
     window.harness.key_press(egui::Key::F9);
     window.draw();
-    let person = |window: &mut ChangingWindow| window.app().settings().hand.person.clone();
+    let person = |shown: &mut ChangingWindow| shown.app().settings().hand.person.clone();
     assert_eq!(person(&mut window), chosen);
     choose(&mut window, text("devices-person"), "adult");
     assert_eq!(person(&mut window), None);
