@@ -101,6 +101,35 @@ fn gloves_persons_and_outputs_are_chosen_from_lists() {
     assert!(state.paused_by.is_none(), "nothing else receives it");
 }
 
+/// Writes settings with a person of the simulated hand.
+fn save_person(path: &Path, person: Option<String>) {
+    let hand = HandSettings {
+        person,
+        ..HandSettings::default()
+    };
+    let saved = Settings {
+        hand,
+        ..Settings::default()
+    };
+    let (mut file, ..) = SettingsFile::open(path.to_owned());
+    file.save(&saved).expect("a write");
+}
+
+#[test]
+fn a_person_of_the_settings_who_has_other_hands_stays_in_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let settings = folder.path().join("studio.ron");
+    save_person(&settings, Some("left-small".to_owned()));
+    let mut window = ChangingWindow::open("numpad", &settings);
+    assert!(window.has("types with the left hand"));
+    assert_eq!(window.app().settings().hand.person, None);
+    // Another session begins with the settings of the file.
+    window.choose_layout("arrows");
+    assert_eq!(window.setup().layout, "arrows");
+    let (_, kept, _) = SettingsFile::open(settings);
+    assert_eq!(kept.hand.person.as_deref(), Some("left-small"));
+}
+
 #[test]
 fn the_person_of_the_settings_returns_after_one_of_the_setup() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -108,15 +137,7 @@ fn the_person_of_the_settings_returns_after_one_of_the_setup() {
     let slow = folder.path().join("slow.ron");
     fs::write(&slow, r#"Person(name: "slow", speed: 0.5)"#).expect("a write");
     let chosen = Some(slow.to_string_lossy().into_owned());
-    let saved = Settings {
-        hand: HandSettings {
-            person: chosen.clone(),
-            ..HandSettings::default()
-        },
-        ..Settings::default()
-    };
-    let (mut file, ..) = SettingsFile::open(settings.clone());
-    file.save(&saved).expect("a write");
+    save_person(&settings, chosen.clone());
     let mut window = ChangingWindow::open("numpad", &settings);
     window.harness.key_press(egui::Key::F9);
     window.draw();

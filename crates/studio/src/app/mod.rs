@@ -56,7 +56,7 @@ pub struct StudioApp {
     sensors: SensorControl,
     panels: PanelState,
     settings_file: SettingsFile,
-    /// The person of the settings, in whose place the setup has one.
+    /// The person of the settings, in whose place the session has another one.
     replaced_person: Option<String>,
     /// Clicks on presses; without it Studio is silent.
     sound: Option<Sound>,
@@ -125,11 +125,15 @@ impl StudioApp {
     }
 
     /// Changes the simulated hand of the session as the settings say, which are restored before. A person of the setup comes first; the
-    /// file of the settings keeps the other one.
+    /// file of the settings keeps the other one, and one who cannot be simulated in this session.
     #[must_use]
-    pub fn with_hand(mut self, hand: HandControl) -> Self {
+    pub fn with_hand(mut self, mut hand: HandControl) -> Self {
+        let wanted = &mut self.panels.settings().hand;
         if hand.has_own_person() {
-            self.replaced_person = self.panels.settings().hand.person.take();
+            self.replaced_person = wanted.person.take();
+        } else if let Err(error) = hand.apply(wanted) {
+            self.replaced_person = wanted.person.take();
+            self.panels.message = Some(error.to_string());
         }
         self.hand = Some(hand);
         self
@@ -381,7 +385,7 @@ impl StudioApp {
         }
     }
 
-    /// Returns the settings for the file: with the person that the setup replaces, until another one is chosen.
+    /// Returns the settings for the file: with the person that the session replaces, until another one is chosen.
     fn kept_settings(&mut self) -> Settings {
         let mut kept = self.panels.settings().clone();
         if kept.hand.person.is_some() {
