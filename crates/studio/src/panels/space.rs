@@ -196,7 +196,8 @@ pub(super) fn show_hint(ui: &egui::Ui, area: Rect, hint: &str, background: Color
     let painter = ui.painter_at(area);
     let color = ui.visuals().text_color();
     let font = FontId::proportional(12.0);
-    let hint = painter.layout_no_wrap(hint.to_owned(), font, color);
+    let width = (area.width() - 24.0).max(24.0);
+    let hint = painter.layout(hint.to_owned(), font, color, width);
     let at = area.center_bottom() - egui::vec2(0.0, 8.0);
     let place = Align2::CENTER_BOTTOM.anchor_size(at, hint.size());
     painter.rect_filled(place.expand2(egui::vec2(6.0, 2.0)), 4.0, background);

@@ -392,7 +392,7 @@ pose-little-bent = Bend only the little finger, the others straight
 ## Layout editor
 
 editor-canvas = Board
-editor-hint = click, Shift-click or drag: select · drag a key: move (Alt: freely) · right drag: pan · scroll: zoom · arrows: a step of the grid (Shift: 0.1 mm)
+editor-hint = click, Shift-click or drag: select · drag a key: move (Alt: freely) · right drag: pan · scroll: zoom · arrows: grid step (Shift: 0.1 mm)
 editor-save = Save
 editor-save-hint = Write the file (Ctrl-S)
 editor-save-as = Save as…

@@ -392,7 +392,7 @@ pose-little-bent = Doble solo el meñique, los demás rectos
 ## Editor de distribuciones
 
 editor-canvas = Tablero
-editor-hint = clic, Mayús-clic o arrastrar: seleccionar · arrastrar una tecla: mover (Alt: libre) · botón derecho: desplazar · rueda: zoom · flechas: un paso de la cuadrícula (Mayús: 0,1 mm)
+editor-hint = clic, Mayús-clic o arrastrar: seleccionar · arrastrar una tecla: mover (Alt: libre) · botón derecho: desplazar · rueda: zoom · flechas: paso de cuadrícula (Mayús: 0,1 mm)
 editor-save = Guardar
 editor-save-hint = Escribir el archivo (Ctrl-S)
 editor-save-as = Guardar como…
