@@ -158,7 +158,7 @@ impl<'a> StudioStart<'a> {
     }
 }
 
-/// Shows that a session has not started. Returns `true` once the person no longer waits for it.
+/// Shows that a session has not started. Returns `true` if the person cancels it.
 fn is_cancelled(ui: &egui::Ui) -> bool {
     let modal = egui::Modal::new(egui::Id::unique("session-waiting"));
     let shown = modal.show(ui.ctx(), |content| {
