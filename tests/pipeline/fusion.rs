@@ -24,13 +24,17 @@ struct Wearer {
 
 impl Wearer {
     fn new(layout: &str, text: &str) -> Self {
+        Self::with_arm_role(layout, text, Some(SourceRole::Both))
+    }
+
+    fn with_arm_role(layout: &str, text: &str, arm_role: Option<SourceRole>) -> Self {
         let setup = Setup {
             arm_source: Some(
                 "udp:127.0.0.1:9000?protocol=markers"
                     .parse()
                     .expect("a source"),
             ),
-            arm_role: Some(SourceRole::Both),
+            arm_role,
             layout: layout.into(),
             ..Setup::default()
         };
@@ -235,6 +239,17 @@ fn a_hand_does_only_what_both_of_its_sources_may() {
         error.to_string().contains("set `arm_role: Keys`"),
         "{error}"
     );
+}
+
+#[test]
+fn a_hand_whose_arm_is_on_the_network_types_only_if_its_arm_may() {
+    for (arm_role, expected) in [(None, ""), (Some(SourceRole::Both), "+H -H")] {
+        let mut wearer = Wearer::with_arm_role("qwerty-flat", "h", arm_role);
+        wearer.play();
+        assert_eq!(wearer.transcript(), expected, "{arm_role:?}");
+        let is_suppressed = wearer.pipeline.suppressed().keys_by_role > 0;
+        assert_eq!(is_suppressed, expected.is_empty(), "{arm_role:?}");
+    }
 }
 
 #[test]

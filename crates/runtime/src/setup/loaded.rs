@@ -229,6 +229,9 @@ impl LoadedSetup {
         };
         loaded.add_text_setup();
         loaded.check_roles()?;
+        // The source of the arm limits the first hand too.
+        let permissions = loaded.sources().next().map(|(_, combined)| combined);
+        loaded.pipeline.permissions = permissions.unwrap_or(loaded.pipeline.permissions);
         loaded.check_parts()?;
         loaded.check_ports()?;
         loaded.check_ranges()?;
