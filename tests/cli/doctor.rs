@@ -1,5 +1,7 @@
 //! `ademan doctor`, `ademan setup`, and the refusal of root.
 
+#[cfg(target_os = "linux")]
+use std::net::TcpListener;
 use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -86,6 +88,33 @@ fn a_display_and_a_running_session_are_detected() {
     let text = check(&taken, "sockets")["text"].to_string();
     let process = format!("(process {})", std::process::id());
     assert!(text.contains(&process), "{text}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_desktop_that_hangs_is_a_finding_and_does_not_hang_the_doctor() {
+    let stopped = TcpListener::bind(("127.0.0.1", 0)).expect("a free port");
+    let port = stopped.local_addr().expect("it is bound").port();
+    let folder = tempfile::tempdir().unwrap();
+    let setup = folder.path().join("setup.ron");
+    let text = "Setup(\n    profiles: [(name: \"sofa\", layout: \"arrows\")],\n    \
+                profiles_by_application: [(application: \"coder\", profile: \"sofa\")],\n)\n";
+    fs::write(&setup, text).unwrap();
+    let mut command = ademan(["doctor", "--json"]);
+    // The display 0 of a machine has the port 6000.
+    let display = format!("127.0.0.1:{}", port.checked_sub(6000).expect("a high port"));
+    command.arg(&setup).env("DISPLAY", display);
+    let ended: Ended = command.output().expect("the program starts").into();
+    assert_eq!(ended.code, Some(1), "{}", ended.out);
+    let found = checks(&ended);
+    let focus = check(&found, "focus");
+    assert_eq!(focus["status"], "missing");
+    let reason = focus["text"].as_str().expect("a text");
+    assert!(
+        reason.starts_with("the desktop does not answer"),
+        "{reason}"
+    );
+    drop(stopped);
 }
 
 /// Runs the doctor for a port as the user `nobody`, with these groups only.

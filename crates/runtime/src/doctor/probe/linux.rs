@@ -4,7 +4,6 @@ use std::ffi::OsString;
 use std::fs::{self, OpenOptions};
 use std::io::ErrorKind;
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
-use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 
 use rustix::fs::{Access, AtFlags, CWD, OFlags, accessat};
@@ -234,8 +233,8 @@ impl<'a> Machine<'a> {
             return XDisplay::Unknown(format!("`{}` is on the network", escape(name)));
         }
         let number = screen.split('.').next().unwrap_or_default();
-        let socket = self.at(format!("/tmp/.X11-unix/X{number}"));
-        match UnixStream::connect(socket) {
+        let path = self.at(format!("/tmp/.X11-unix/X{number}"));
+        match socket::connect_to_any(&path) {
             Ok(_) => XDisplay::Reachable(name.to_owned()),
             Err(_) => XDisplay::Unreachable(name.to_owned()),
         }

@@ -246,3 +246,28 @@ fn a_session_that_accepts_no_connection_is_found_and_not_waited_for() {
     };
     assert_eq!(facts.runtime, taken);
 }
+
+#[test]
+fn an_x_server_and_a_compositor_that_accept_no_connection_are_not_waited_for() {
+    let root = Root::new();
+    let environment = Environment {
+        display: Some(":7".into()),
+        wayland_display: Some("wayland-0".into()),
+        runtime_dir: Some(root.0.path().into()),
+    };
+    create_dir_all(root.0.path().join("tmp/.X11-unix")).unwrap();
+    let sockets = ["tmp/.X11-unix/X7", "wayland-0"].map(|path| root.0.path().join(path));
+    let stopped = sockets.each_ref().map(|path| {
+        let server = UnixListener::bind(path).unwrap();
+        // One client may wait.
+        rustix::net::listen(&server, 0).unwrap();
+        (server, UnixStream::connect(path).unwrap())
+    });
+    let facts = gather_facts(root.0.path(), &environment, &Requirements::default());
+    assert_eq!(facts.display, XDisplay::Unreachable(":7".into()));
+    let Compositor::Unreachable { reason, .. } = facts.compositor else {
+        panic!("the compositor accepts nothing");
+    };
+    assert!(reason.contains("accepts no connection"), "{reason}");
+    drop(stopped);
+}

@@ -8,6 +8,8 @@ use std::time::Duration;
 
 use rustix::net::sockopt::socket_peercred;
 
+use crate::output::socket;
+
 /// Time-out of one message.
 const TIMEOUT: Duration = Duration::from_secs(1);
 
@@ -20,8 +22,8 @@ const REGISTRY: u32 = 2;
 const CALLBACK: u32 = 3;
 
 /// Returns the process id of the compositor, if visible, and the names of its interfaces.
-pub(super) fn globals(socket: &Path) -> io::Result<(Option<i32>, Vec<String>)> {
-    let mut stream = UnixStream::connect(socket)?;
+pub(super) fn globals(path: &Path) -> io::Result<(Option<i32>, Vec<String>)> {
+    let mut stream = socket::connect_to_any(path)?;
     stream.set_read_timeout(Some(TIMEOUT))?;
     stream.set_write_timeout(Some(TIMEOUT))?;
     let get_registry = message(DISPLAY, 1, REGISTRY);

@@ -194,7 +194,7 @@ pub(crate) fn connect(path: &Path) -> io::Result<Stream> {
 }
 
 /// Connects to a server of any user, within [`CONNECT_TIMEOUT`].
-fn connect_to_any(path: &Path) -> io::Result<UnixStream> {
+pub(crate) fn connect_to_any(path: &Path) -> io::Result<UnixStream> {
     let socket = stream_socket()?;
     let address = SocketAddrUnix::new(path)?;
     // The kernel applies the time-out of writes to a full backlog (`unix_stream_connect` in net/unix/af_unix.c).

@@ -4,7 +4,9 @@
 #[cfg(target_os = "linux")]
 mod linux;
 #[cfg(target_os = "linux")]
-pub(crate) use linux::{Listener, SocketError, Stream, check_path, connect, default_path};
+pub(crate) use linux::{
+    Listener, SocketError, Stream, check_path, connect, connect_to_any, default_path,
+};
 
 #[cfg(windows)]
 mod windows;
