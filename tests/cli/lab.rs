@@ -14,6 +14,20 @@ const SCORE: [&str; 7] = [
 ];
 
 #[test]
+fn more_threads_than_a_machine_runs_are_refused() {
+    for (line, number) in [
+        ("lab score qwerty-flat --jobs 1025", "1025"),
+        ("lab run sweep --jobs 100000", "100000"),
+        ("lab verify a.json --jobs 0", "0"),
+    ] {
+        let ended = run(line.split(' '));
+        assert_eq!(ended.code, Some(2), "`{line}`: {}{}", ended.out, ended.err);
+        let reason = format!("{number} is not in 1..=1024");
+        assert!(ended.err.contains(&reason), "`{line}`: {}", ended.err);
+    }
+}
+
+#[test]
 fn a_score_is_printed_written_and_verified() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);

@@ -26,6 +26,9 @@ use crate::failure::Failure;
 use crate::setup_args::number_in;
 use crate::{complete, signals};
 
+/// Most threads: as many as large machines have processors.
+const MAX_JOBS: i64 = 1024;
+
 /// The people of the general population by default.
 const PEOPLE: u32 = 20;
 
@@ -68,7 +71,7 @@ pub struct ConditionArgs {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Threads; by default one for each processor. The results do not depend on them
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = jobs())]
     jobs: Option<NonZeroUsize>,
 }
 
@@ -86,6 +89,13 @@ fn tier() -> impl TypedValueParser<Value = Tier> {
 pub fn set() -> impl TypedValueParser<Value = PhraseSet> {
     PossibleValuesParser::new(PhraseSet::ALL.iter().map(|it| it.name()))
         .map(|name| name.parse().expect("the parser accepts only sets"))
+}
+
+/// Returns the parser of a number of threads. A system refuses to start ever more of them.
+pub(super) fn jobs() -> impl TypedValueParser<Value = NonZeroUsize> {
+    clap::value_parser!(u16)
+        .range(1..=MAX_JOBS)
+        .map(|number| NonZeroUsize::new(number.into()).expect("the range begins at 1"))
 }
 
 fn probability(text: &str) -> Result<f64, String> {

@@ -105,7 +105,7 @@ enum Action {
         /// Result file of `score` or `compare`
         result: PathBuf,
         /// Threads; by default one for each processor
-        #[arg(long)]
+        #[arg(long, value_parser = conditions::jobs())]
         jobs: Option<std::num::NonZeroUsize>,
     },
 }

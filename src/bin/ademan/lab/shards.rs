@@ -12,7 +12,7 @@ use ademan::message::{escape_path, shell_word};
 use ademan::session::counted;
 use ademan::shards::{Plan, ShardError, ShardScores};
 
-use super::conditions::{ConditionArgs, Prepared};
+use super::conditions::{self, ConditionArgs, Prepared};
 use super::{OutputArgs, kinds, outputs, present};
 use crate::failure::Failure;
 use crate::result_files;
@@ -46,7 +46,7 @@ pub struct RunArgs {
     /// Indices of shards, from 0; without one, all that have no scores yet
     shards: Vec<usize>,
     /// Threads; by default one for each processor
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = conditions::jobs())]
     jobs: Option<NonZeroUsize>,
 }
 
