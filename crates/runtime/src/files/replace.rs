@@ -4,7 +4,10 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::{FileError, check_regular, create_new, create_private, folder_of, own_target, system};
+use super::{
+    FileError, check_regular, create_new, create_private, folder_of, open_regular, own_target,
+    system,
+};
 
 /// Creates a file of a new name.
 type CreateFile = fn(&Path) -> Result<File, FileError>;
@@ -70,19 +73,35 @@ pub fn write_new_text(path: &Path, text: &str) -> Result<(), FileError> {
 }
 
 /// Writes a file with the usual permissions in place of a file or a symbolic link, which gets the name `backup`. The target of a link
-/// stays. If the new file cannot be written, the old one and an earlier backup are as they were.
+/// stays. A reader finds a file at any time. If the new file cannot be written, the old one and an earlier backup are as they were.
 pub fn replace_text_and_keep(path: &Path, backup: &Path, text: &str) -> Result<(), FileError> {
     check_replaceable(path)?;
     let (mut file, temporary) = create_temporary(path, create_new)?;
     let replaced = file
         .write_all(text.as_bytes())
         .and_then(|()| file.sync_all())
-        .and_then(|()| fs::rename(path, backup))
-        .and_then(|()| fs::rename(&temporary, path));
+        .map_err(FileError::from)
+        .and_then(|()| rename_and_keep(&temporary, path, backup));
     if replaced.is_err() {
         let _ = fs::remove_file(&temporary);
     }
-    Ok(replaced?)
+    replaced
+}
+
+/// Renames a file to `path`, and what was there to `backup`. Both stay as they were if that fails.
+fn rename_and_keep(new: &Path, path: &Path, backup: &Path) -> Result<(), FileError> {
+    let ((), kept) = create_temporary(path, |name| link_or_copy(path, name))?;
+    if let Err(error) = fs::rename(new, path) {
+        let _ = fs::remove_file(&kept);
+        return Err(error.into());
+    }
+    if let Err(error) = fs::rename(&kept, backup) {
+        let _ = fs::rename(&kept, path);
+        return Err(error.into());
+    }
+    // It is still there if the backup was another name of the old file.
+    let _ = fs::remove_file(&kept);
+    Ok(())
 }
 
 /// Checks that [`replace_text`] can replace a file, before work whose result it keeps.
@@ -147,9 +166,35 @@ fn write_and_rename(
     written
 }
 
+/// Gives a file or a symbolic link a second name, or copies the file if that is not possible, as on FAT.
+fn link_or_copy(path: &Path, name: &Path) -> Result<(), FileError> {
+    match fs::hard_link(path, name) {
+        Ok(()) => Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(FileError::Exists),
+        Err(_) => copy(path, name),
+    }
+}
+
+/// Copies the text and the permissions of a file to a new one.
+fn copy(path: &Path, name: &Path) -> Result<(), FileError> {
+    let mut original = open_regular(path)?;
+    let mut new = create_new(name)?;
+    let copied = io::copy(&mut original, &mut new)
+        .and_then(|_| original.metadata())
+        .and_then(|metadata| new.set_permissions(metadata.permissions()))
+        .and_then(|()| new.sync_all());
+    if copied.is_err() {
+        let _ = fs::remove_file(name);
+    }
+    Ok(copied?)
+}
+
 /// Creates a file of a new name in the folder of another one. A process of the same number may have been killed before it
 /// removed its own, as in a container, where each run has the same number.
-fn create_temporary(path: &Path, create: CreateFile) -> Result<(File, PathBuf), FileError> {
+fn create_temporary<T>(
+    path: &Path,
+    create: impl Fn(&Path) -> Result<T, FileError>,
+) -> Result<(T, PathBuf), FileError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let process = std::process::id();
     for attempt in 0..MAX_TEMPORARY_FILES {
@@ -161,4 +206,22 @@ fn create_temporary(path: &Path, create: CreateFile) -> Result<(File, PathBuf), 
     }
     let text = format!("{MAX_TEMPORARY_FILES} files `.{name}.{process}.…` are left; remove them");
     Err(io::Error::new(io::ErrorKind::AlreadyExists, text).into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_has_one_name_only_is_copied() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, name] = ["glove.ron", "copy"].map(|it| folder.path().join(it));
+        fs::write(&path, "old").unwrap();
+        copy(&path, &name).unwrap();
+        assert_eq!(fs::read_to_string(&name).unwrap(), "old");
+        fs::write(&name, "mine").unwrap();
+        let refused = copy(&path, &name);
+        assert!(matches!(refused, Err(FileError::Exists)), "{refused:?}");
+        assert_eq!(fs::read_to_string(&name).unwrap(), "mine");
+    }
 }

@@ -2,6 +2,8 @@ use super::*;
 use std::fs::Permissions;
 use std::os::unix::fs::{PermissionsExt, chown, lchown, symlink};
 use std::os::unix::net::UnixListener;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
 use rustix::fs::{CWD, Mode, XattrFlags, getxattr, setxattr};
 
@@ -336,4 +338,45 @@ fn a_file_that_changes_while_its_new_text_is_written_is_not_replaced() {
     assert_eq!(names(), 1);
     replace_text_if(&path, "new", || true).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+}
+
+#[test]
+fn a_file_whose_old_text_is_kept_can_be_read_at_any_time() {
+    let folder = Folder::new();
+    let (path, backup) = (folder.file("glove.ron", 0o640), folder.at("glove.ron.bak"));
+    let is_over = AtomicBool::new(false);
+    let (replaced, missing) = thread::scope(|scope| {
+        let reader = scope.spawn(|| {
+            let mut missing = 0;
+            while !is_over.load(Ordering::Relaxed) {
+                missing += u32::from(!path.exists());
+            }
+            missing
+        });
+        let write = |number: u32| replace_text_and_keep(&path, &backup, &number.to_string());
+        let replaced: Result<Vec<()>, _> = (0..100).map(write).collect();
+        is_over.store(true, Ordering::Relaxed);
+        (replaced, reader.join().unwrap())
+    });
+    replaced.unwrap();
+    assert_eq!(missing, 0);
+    let texts = [&path, &backup].map(|it| fs::read_to_string(it).unwrap());
+    assert_eq!(texts, ["99", "98"]);
+    assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 2);
+}
+
+#[test]
+fn a_file_that_cannot_be_kept_stays_and_a_link_is_kept_as_a_link() {
+    let folder = Folder::new();
+    let (path, link) = (folder.file("glove.ron", 0o640), folder.at("link"));
+    fs::create_dir(folder.at("folder")).unwrap();
+    assert!(replace_text_and_keep(&path, &folder.at("folder"), "new").is_err());
+    assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+    symlink(&path, &link).unwrap();
+    replace_text_and_keep(&link, &folder.at("link.bak"), "new").unwrap();
+    assert_eq!(fs::read_link(folder.at("link.bak")).unwrap(), path);
+    assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+    assert_eq!(fs::read_to_string(&link).unwrap(), "new");
+    assert!(fs::symlink_metadata(&link).unwrap().is_file());
+    assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 4);
 }
