@@ -49,6 +49,31 @@ fn a_model_is_built_alike_twice_and_replaced() {
     assert_eq!(used.out, "");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_model_stays_if_there_is_no_room_for_another_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let letters = || 'a'..='z';
+    let pairs = letters().flat_map(|first| letters().map(move |second| (first, second)));
+    let many = pairs.flat_map(|(first, second)| {
+        letters().map(move |third| format!("{first}{second}{third}\n"))
+    });
+    let words = file(&folder, "words.txt", "hello\n");
+    let many = file(&folder, "many.txt", many.collect::<String>());
+    let model = folder.path().join("my.adm");
+    let build =
+        |list: &str| ["text", "build", "--words", list, "-o", text(&model)].map(str::to_owned);
+    run(build(&words)).done();
+    let bytes = std::fs::read(&model).expect("a model");
+    let arguments = build(&many);
+    let ended = crate::lab::run_with_small_files(&arguments.each_ref().map(String::as_str));
+    assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
+    assert!(ended.err.contains("cannot write"), "{}", ended.err);
+    assert!(std::fs::read(&model).expect("the old model") == bytes);
+    let left = std::fs::read_dir(folder.path()).expect("a folder").count();
+    assert_eq!(left, 3, "the two lists and the model");
+}
+
 #[test]
 fn files_that_are_no_model_and_lines_that_are_no_taps_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -59,9 +59,7 @@ fn write_pages(command: &Command, folder: &Path) -> Result<(), Failure> {
     }
     man.render_version_section(&mut page)?;
     let path = folder.join(man.get_filename());
-    let mut file = files::replace(&path).map_err(|error| cannot_write(&path, error))?;
-    file.write_all(&page)
-        .map_err(|error| cannot_write(&path, error))
+    files::replace(&path, &page).map_err(|error| cannot_write(&path, error))
 }
 
 fn cannot_write(path: &Path, error: impl std::fmt::Display) -> Failure {

@@ -122,9 +122,7 @@ fn build(
     let cannot_write = |error: String| {
         Failure::wrong_use(format!("cannot write {}: {error}", escape_path(output)))
     };
-    let mut file = files::replace(output).map_err(|error| cannot_write(error.to_string()))?;
-    file.write_all(&bytes)
-        .map_err(|error| cannot_write(error.to_string()))?;
+    files::replace(output, &bytes).map_err(|error| cannot_write(error.to_string()))?;
     let model = Model::from_bytes(&bytes)
         .map_err(|error| Failure::job(format!("the model cannot be read: {error}")))?;
     Ok(writeln!(

@@ -19,7 +19,7 @@ pub use config::{config_folder, in_config_folder, state_folder, transcript_folde
 pub use documents::{Load, OpenDocument};
 pub use lock::LockedFile;
 pub use replace::{
-    check_destination, check_overwrite, replace_private_text, replace_private_text_if,
+    check_destination, check_overwrite, replace, replace_private_text, replace_private_text_if,
     replace_public_text, replace_text, replace_text_and_keep, replace_text_if, write_new_text,
 };
 pub use search::{own_gloves, own_layouts, own_persons};
@@ -156,18 +156,6 @@ pub fn create_private(path: &Path) -> Result<File, FileError> {
 /// Creates a file with the usual permissions. Fails as [`create_private`] does.
 pub fn create_new(path: &Path) -> Result<File, FileError> {
     created(path, File::create_new(path))
-}
-
-/// Creates a file as [`create_new`] does, in place of an existing regular file, which is removed: nothing is written through a
-/// symbolic link, or to another name of the file.
-pub fn replace(path: &Path) -> Result<File, FileError> {
-    match create_new(path) {
-        Err(FileError::Exists) => {
-            fs::remove_file(path)?;
-            create_new(path)
-        }
-        created => created,
-    }
 }
 
 /// Returns the file, or the reason why it cannot be created: the kind of file that exists at its path.

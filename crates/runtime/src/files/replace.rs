@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::{
-    FileError, check_regular, create_new, create_private, folder_of, open_regular, own_target,
-    system,
+    FileError, check_absent, check_regular, create_new, create_private, folder_of, open_regular,
+    own_target, system,
 };
 
 /// Creates a file of a new name.
@@ -31,7 +31,7 @@ pub fn replace_text_if(
     let (path, metadata) = writable_target(path)?;
     write_and_rename(
         (&path, create_private),
-        text,
+        text.as_bytes(),
         Some(&metadata),
         is_as_expected,
     )
@@ -51,13 +51,28 @@ pub fn replace_private_text_if(
     is_as_expected: impl FnOnce() -> bool,
 ) -> Result<(), FileError> {
     check_replaceable(path)?;
-    write_and_rename((path, create_private), text, None, is_as_expected)
+    write_and_rename(
+        (path, create_private),
+        text.as_bytes(),
+        None,
+        is_as_expected,
+    )
+}
+
+/// Writes a file with the usual permissions, atomically as [`replace_text`]. A file of that name is replaced; a symbolic link, a device, a
+/// pipe or a folder is refused. Another name of the file keeps its content.
+pub fn replace(path: &Path, content: &[u8]) -> Result<(), FileError> {
+    match check_absent(path) {
+        Ok(()) | Err(FileError::Exists) => {}
+        Err(error) => return Err(error),
+    }
+    write_and_rename((path, create_new), content, None, || true)
 }
 
 /// Writes a file with the usual permissions, as [`replace_private_text`] does.
 pub fn replace_public_text(path: &Path, text: &str) -> Result<(), FileError> {
     check_replaceable(path)?;
-    write_and_rename((path, create_new), text, None, || true)
+    write_and_rename((path, create_new), text.as_bytes(), None, || true)
 }
 
 /// Writes a file of a new name with the usual permissions. Leaves none if the disk is full.
@@ -141,7 +156,7 @@ fn check_replaceable(path: &Path) -> Result<(), FileError> {
 /// metadata, unless `is_as_expected` returns `false` then.
 fn write_and_rename(
     (path, create): (&Path, CreateFile),
-    text: &str,
+    content: &[u8],
     replaced: Option<&Metadata>,
     is_as_expected: impl FnOnce() -> bool,
 ) -> Result<(), FileError> {
@@ -150,7 +165,7 @@ fn write_and_rename(
         system::copy_attributes(path, replaced, &file)
     });
     let written = kept
-        .and_then(|()| file.write_all(text.as_bytes()))
+        .and_then(|()| file.write_all(content))
         .and_then(|()| file.sync_all())
         .map_err(FileError::from)
         .and_then(|()| {

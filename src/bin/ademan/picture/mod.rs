@@ -218,12 +218,11 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
         io::stdout().write_all(picture)?;
         return Ok(());
     }
-    let file = if overwrite {
-        files::replace(path)
+    let written = if overwrite {
+        files::replace(path, picture)
     } else {
-        files::create_new(path)
+        files::create_new(path).and_then(|mut file| Ok(file.write_all(picture)?))
     };
-    let written = file.and_then(|mut file| Ok(file.write_all(picture)?));
     written.map_err(|error| match error {
         FileError::Exists => exists(path),
         FileError::Io(error) => Failure::wrong_use(format!(

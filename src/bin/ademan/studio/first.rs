@@ -1,7 +1,6 @@
 //! The first start: pages that ask for the source, the hand and the layout, and the session that they lead to.
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
 
 use ademan::files;
@@ -77,6 +76,5 @@ fn keep(setup: &Setup) -> Result<(), Failure> {
 
 fn write(setup: &Setup, folder: &Path, path: &Path) -> Result<(), files::FileError> {
     fs::create_dir_all(folder)?;
-    let mut file = files::replace(path)?;
-    Ok(file.write_all(setup.first_text(path).as_bytes())?)
+    files::replace(path, setup.first_text(path).as_bytes())
 }
