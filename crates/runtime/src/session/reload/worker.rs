@@ -198,7 +198,11 @@ where
 
     /// Activates the file of a layout if it has changed.
     fn poll(&mut self, index: usize) -> Result<(), SessionEnded> {
-        let layout = &mut self.layouts[index].layout;
+        let ManagedLayout { layout, detection } = &mut self.layouts[index];
+        // A long wait without requests ends too, and a file that is not watched is read on request only.
+        if matches!(detection, ChangeDetection::None) {
+            return Ok(());
+        }
         match layout.poll(Instant::now()) {
             // A second activation would release what is pressed.
             Some(Ok(found)) if layout.accept_active(&found) => {
@@ -313,12 +317,36 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::Load;
     use crate::session::command_channel::CommandReceiver;
     use crate::session::reload::watched_file::WatchedFile;
     use crate::session::reload::watched_file::tests::text;
-    use crossbeam_channel::unbounded;
+    use crossbeam_channel::{Sender, unbounded};
     use std::{fs, thread};
+
+    /// Returns the worker of a session whose layout has the text `active`, and was read from the file at `path`.
+    fn worker(
+        (path, active): (&str, &str),
+        detection: ChangeDetection,
+        link: LayoutLink,
+        sender: Sender<LayoutReport>,
+    ) -> Worker<
+        impl Fn(&Layout) -> Result<LayoutInstance, String> + use<>,
+        impl FnMut(LayoutReport) + use<>,
+    > {
+        let layout = Layout::parse(active, path).unwrap();
+        let file = WatchedFile::new(path, active, layout.fit, Instant::now());
+        Worker {
+            layouts: vec![ManagedLayout {
+                layout: ActiveLayout::new(Some(file), layout, 0),
+                detection,
+            }],
+            link,
+            learned: None,
+            is_recorded: false,
+            build: |layout: &Layout| Ok(LayoutInstance::from_layout(layout)),
+            report: move |report| sender.send(report).unwrap(),
+        }
+    }
 
     #[test]
     fn a_save_is_detected_by_polling() {
@@ -327,24 +355,9 @@ mod tests {
         fs::write(&path, text("A")).unwrap();
         let path = path.to_str().unwrap();
         let mut commands = CommandReceiver::disconnected();
-        let file = WatchedFile::new(
-            path,
-            &text("A"),
-            ademan_core::layout::Fit::default(),
-            Instant::now(),
-        );
         let (sender, reports) = unbounded();
-        let worker = Worker {
-            layouts: vec![ManagedLayout {
-                layout: ActiveLayout::new(Some(file), Layout::load(path).unwrap(), 0),
-                detection: ChangeDetection::Polling,
-            }],
-            link: commands.link_layouts(),
-            learned: None,
-            is_recorded: false,
-            build: |layout: &Layout| Ok(LayoutInstance::from_layout(layout)),
-            report: move |report| sender.send(report).unwrap(),
-        };
+        let link = commands.link_layouts();
+        let worker = worker((path, &text("A")), ChangeDetection::Polling, link, sender);
         let polling = thread::spawn(move || worker.run());
         thread::sleep(POLL_PERIOD * 4);
         fs::write(path, text("B")).unwrap();
@@ -355,5 +368,22 @@ mod tests {
         assert!(matches!(report, LayoutReport::Activated(layout) if layout.name == "B"));
         drop(commands);
         polling.join().unwrap();
+    }
+
+    #[test]
+    fn a_file_that_is_not_watched_is_not_read_after_a_long_wait() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ron");
+        fs::write(&path, text("B")).unwrap();
+        let path = path.to_str().unwrap();
+        let mut commands = CommandReceiver::disconnected();
+        let (sender, reports) = unbounded();
+        let link = commands.link_layouts();
+        let mut worker = worker((path, &text("A")), ChangeDetection::None, link, sender);
+        // An activation fails instead of waiting for the loop.
+        drop(commands);
+        thread::sleep(POLL_PERIOD * 4);
+        assert!(worker.poll(0).is_ok());
+        assert!(reports.is_empty());
     }
 }
