@@ -15,9 +15,12 @@ use super::reply::{Reply, ReplySender, RequestError};
 use super::waker::{WakeTarget, Waker};
 use ademan_core::command::{Command, CommandOrigin};
 
-/// Commands that wait for a busy loop: one of each client of the control socket, and 8 of panic keys and signals, which
-/// clients cannot crowd out.
-const QUEUE_LENGTH: usize = 16 + 8;
+/// Commands of clients that wait for a busy loop: one of each client of the control socket. A command whose client has given up still
+/// waits.
+const CLIENT_COMMANDS: usize = 16;
+
+/// Commands that wait for a busy loop: those of clients, and 8 of panic keys and signals, which clients cannot crowd out.
+const QUEUE_LENGTH: usize = CLIENT_COMMANDS + 8;
 
 /// Time that [`CommandSender::request`] waits for a reply.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
@@ -89,6 +92,8 @@ impl CommandSender {
         command.check()?;
         if command == Command::Stop {
             self.stop.store(true, Ordering::Release);
+        } else if self.origin == CommandOrigin::Client && self.queue.len() >= CLIENT_COMMANDS {
+            return Err(RequestError::QueueFull);
         } else {
             let queued = QueuedCommand {
                 command,
@@ -214,6 +219,21 @@ mod tests {
         assert!(!receiver.is_stopped());
         assert_eq!(sender.request(Command::Stop), Ok(Reply::Done));
         assert!(receiver.wait_for_stop(Duration::ZERO));
+    }
+
+    #[test]
+    fn clients_leave_room_for_the_pauses_of_panic_keys_and_signals() {
+        let (sender, receiver) = command_channel();
+        while sender.send(Command::Resume).is_ok() {}
+        for origin in [
+            CommandOrigin::PanicKeys,
+            CommandOrigin::Signal,
+            CommandOrigin::Watchdog,
+        ] {
+            let pause = sender.with_origin(origin).send(Command::Pause);
+            assert_eq!(pause, Ok(()), "{origin}");
+        }
+        drop(receiver);
     }
 
     #[test]
