@@ -195,6 +195,28 @@ fn a_disk_that_fills_is_reported_at_once_and_in_the_state_while_the_typing_goes_
 }
 
 #[test]
+fn a_recording_that_cannot_be_started_leaves_no_file_that_refuses_the_next_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [recording, poses] = ["run.mcap", "run.bvh"].map(|name| folder.path().join(name));
+    let path = recording.to_str().expect("a path");
+    let refused = |before: &str, arguments: &[&str]| {
+        let ended = in_shell("sh", before, arguments).output();
+        let ended = ended.expect("the program starts");
+        let err = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(2), "{err}");
+        assert!(err.contains("cannot create the recording"), "{err}");
+        assert!(!recording.exists(), "{err}");
+    };
+    let record = ["record", path, "--source", "typist:h"];
+    // As on a disk that is full.
+    refused("trap '' XFSZ; ulimit -f 1;", &record);
+    fs::write(&poses, "mine").expect("a file");
+    let poses = ["--record-bvh", poses.to_str().expect("a path")];
+    let run = ["run", "--source", "typist:h", "--record", path];
+    refused("", &[&run[..], &poses].concat());
+}
+
+#[test]
 fn a_recording_that_cannot_be_written_ends_a_command_that_only_records() {
     let folder = tempfile::tempdir().expect("a folder");
     let [port, recording] = ["port", "run.mcap"].map(|name| folder.path().join(name));

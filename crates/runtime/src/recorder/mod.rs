@@ -8,7 +8,7 @@
 mod container;
 mod messages;
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -79,7 +79,8 @@ struct Channels {
 }
 
 impl Recorder {
-    /// Creates a recording that only its owner can read. Fails if the file exists. `setup` is written at its start.
+    /// Creates a recording that only its owner can read. Fails if the file exists. `setup` is written at its start; if that fails, there is
+    /// no file.
     pub fn create(path: &Path, setup: &RecordedSetup) -> Result<Self, RecordError> {
         let invalid = |reason: String| RecordError::Create {
             path: path.to_owned(),
@@ -87,7 +88,11 @@ impl Recorder {
         };
         setup.check_size().map_err(invalid)?;
         let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
-        let started = start(file, setup).map_err(|error| invalid(error.to_string()));
+        let started = start(file, setup).map_err(|error| {
+            // A further attempt must not fail because of the file of this one.
+            let _ = fs::remove_file(path);
+            invalid(error.to_string())
+        });
         let (container, channels) = started?;
         Ok(Self {
             path: path.to_owned(),

@@ -276,6 +276,8 @@ impl Session {
         let failures = self.write_failures.clone();
         sink.on_log_failure(Box::new(move |error| failures.report(error.to_string())));
         let mut recordings = Recordings::new(self.write_failures.clone());
+        let recorded_files = [&self.options.record_to, &self.options.record_bvh_to];
+        (recorded_files.into_iter().flatten()).try_for_each(|path| recordings::check_file(path))?;
         if let Some(path) = &self.options.record_to {
             let recorded = self.setup.recorded_setup();
             let recorded = recorded.with_packet_period(source.packet_period());

@@ -23,6 +23,13 @@ const FLUSH_AFTER: Duration = Duration::from_millis(500);
 /// Frames per second of a BVH file.
 const BVH_RATE_HZ: f64 = 100.0;
 
+/// Checks that the file of a recording can be created, before another one is.
+pub(super) fn check_file(path: &Path) -> Result<(), RecordError> {
+    files::check_destination(path)
+        .and_then(|()| files::check_absent(path))
+        .map_err(|error| cannot_create(path, error))
+}
+
 /// The recordings of a session, each with a thread of its own.
 #[derive(Default)]
 pub(super) struct Recordings {
