@@ -143,7 +143,8 @@ pub fn from_points(
     finish(cameras, groups, places, keeps_lenses)
 }
 
-/// Improves calibrated cameras by labelled points that they see. The first camera stays, and so does its distance from the second.
+/// Improves calibrated cameras by labelled points that they see. The first camera stays, and so does its distance from the second, which
+/// gives the scale: both at one place are refused.
 pub fn refine(
     start: &[Camera],
     frames: &[Frame],
@@ -170,6 +171,13 @@ pub fn refine(
     let mut calibration = finish(cameras, groups, places, keeps_lenses)?;
     let [first_place, second_place] = [0, 1].map(|index| calibration.cameras[index].position());
     let scale = distance / first_place.distance(second_place);
+    let has_scale = scale.is_finite() && scale > 0.0;
+    if !has_scale {
+        return Err(CalibrationError::Camera {
+            name: format!("{}` and `{}", first.name, second.name),
+            reason: LinearError::SamePlace,
+        });
+    }
     for camera in &mut calibration.cameras {
         let position = first_place + scale * (camera.position() - first_place);
         camera.translation = -(camera.rotation * position);

@@ -260,3 +260,25 @@ fn files_of_both_forms_keep_all_numbers_and_others_are_refused() {
         assert!(error.to_string().contains(reason), "{reason}: {error}");
     }
 }
+
+#[test]
+fn cameras_whose_first_two_are_at_one_place_have_no_scale() {
+    let exact = room(2);
+    let twin = Camera::clone(&exact[0]);
+    let start = [exact[0].clone(), twin, exact[1].clone()];
+    let frames = wand_frames(&exact, 20, 0.0, 3).into_iter();
+    let frames: Vec<Frame> = frames
+        .map(|frame| vec![frame[0].clone(), BTreeMap::new(), frame[1].clone()])
+        .collect();
+    let refused = refine(&start, &frames, true).map(|found| found.cameras);
+    assert!(
+        matches!(
+            refused,
+            Err(CalibrationError::Camera {
+                reason: LinearError::SamePlace,
+                ..
+            })
+        ),
+        "{refused:?}"
+    );
+}
