@@ -1,6 +1,6 @@
 //! The setup of a first start: a source, the hand that it measures, a layout that it can use, and the text of the file.
 
-use std::path::Path;
+use std::path::{Path, absolute, is_separator};
 
 use super::{DEFAULT_GLOVES, DEFAULT_LUCIDGLOVES, LoadedSetup, Setup, SetupError, of_side};
 use crate::capture::protocol::{PositionNoise, lucidgloves};
@@ -96,16 +96,17 @@ impl Setup {
         setup.load_files()
     }
 
-    /// Returns the text of a setup file at `path`: source, glove and layout. A file beside it is named without its folder.
+    /// Returns the text of a setup file at `path`: source, glove and layout. A file beside it is named without its folder, and one elsewhere
+    /// by its whole path, as the names of a setup start in its folder.
     pub fn first_text(&self, path: &Path) -> String {
         let mut fields = Vec::new();
         if let Some(source) = &self.source {
             fields.push(format!("source: {:?}", source.to_string()));
         }
         if let Some(glove) = &self.glove {
-            fields.push(format!("glove: {:?}", named_beside(glove, path)));
+            fields.push(format!("glove: {:?}", name_from(path, glove)));
         }
-        fields.push(format!("layout: {:?}", named_beside(&self.layout, path)));
+        fields.push(format!("layout: {:?}", name_from(path, &self.layout)));
         let fields: String = fields
             .iter()
             .map(|field| format!("    {field},\n"))
@@ -116,14 +117,23 @@ impl Setup {
     }
 }
 
-/// Returns the name of a file as a setup file at `path` names it: without its folder, if that is the same.
-fn named_beside(name: &str, path: &Path) -> String {
+/// Returns the name by which the setup file at `path` finds what `name` means in the working folder.
+fn name_from(path: &Path, name: &str) -> String {
     let file = Path::new(name);
-    let is_beside = file.parent() == path.parent() && name.ends_with(".ron");
-    let short = file.file_name().filter(|_| is_beside);
-    short.map_or(name.to_owned(), |short| {
-        short.to_string_lossy().into_owned()
-    })
+    let is_file_name = name.ends_with(".ron");
+    let is_shipped = !is_file_name && Document::shipped(name).is_ok();
+    if is_shipped || !is_file_name && !name.contains(is_separator) {
+        return name.to_owned();
+    }
+    let is_beside = is_file_name && file.parent() == path.parent();
+    if let Some(alone) = file.file_name().filter(|_| is_beside) {
+        return alone.to_string_lossy().into_owned();
+    }
+    let is_there = file.is_file() || Path::new(&format!("{name}.ron")).is_file();
+    match absolute(file) {
+        Ok(whole) if is_there => whole.to_string_lossy().into_owned(),
+        _ => name.to_owned(),
+    }
 }
 
 #[cfg(test)]
@@ -198,5 +208,30 @@ mod tests {
         };
         fs::write(&path, shipped.first_text(&path)).unwrap();
         assert_eq!(Setup::load(path.to_str().unwrap()).unwrap(), shipped);
+    }
+
+    #[test]
+    fn a_file_of_the_working_folder_is_found_from_the_folder_of_the_setup() {
+        let path = Path::new("/folder/setup.ron");
+        let here = absolute("src/lib.rs").unwrap();
+        let here = here.to_str().unwrap();
+        for (name, expected) in [
+            ("src/lib.rs", here),
+            (here, here),
+            ("/folder/mine.ron", "mine.ron"),
+            ("unam-hc11", "unam-hc11"),
+            ("keyboards/arrows", "keyboards/arrows"),
+        ] {
+            let setup = Setup {
+                glove: Some(name.into()),
+                layout: name.into(),
+                ..Setup::default()
+            };
+            let text = setup.first_text(path);
+            for field in ["glove", "layout"] {
+                let line = format!("    {field}: {expected:?},\n");
+                assert!(text.contains(&line), "{name}: {text}");
+            }
+        }
     }
 }
