@@ -112,6 +112,23 @@ fn a_program_that_may_start_few_threads_ends_with_a_remedy_and_not_with_a_panic(
 }
 
 #[test]
+fn the_lab_works_on_the_threads_that_the_system_permits() {
+    let Some(user) = User::new() else {
+        return;
+    };
+    let score = "lab score qwerty-flat --people 6 --count 1 --jobs 6";
+    let arguments: Vec<&str> = score.split(' ').collect();
+    let all = user.run_with(100, &arguments).done();
+    // The program itself and its thread for signals, without and with one more.
+    for limit in [2, 3] {
+        let ended = user.run_with(limit, &arguments);
+        assert_eq!(ended.code, Some(0), "{limit}: {}", ended.err);
+        assert!(!ended.err.contains("panicked"), "{limit}: {}", ended.err);
+        assert_eq!(ended.out, all.out, "{limit}");
+    }
+}
+
+#[test]
 fn the_doctor_reports_the_priority_that_the_system_permits() {
     let Some(user) = User::new() else {
         return;

@@ -10,9 +10,9 @@ use std::thread;
 #[error("interrupted before the end")]
 pub struct Cancelled;
 
-/// Calls `work` for each index below `count` on `jobs` threads, and returns the results in order of the indices, whatever the number
-/// of threads. Calls `progress` with the number of results so far, on the thread of the caller. One job starts no thread: WebAssembly has
-/// none.
+/// Calls `work` for each index below `count` on `jobs` threads, or on as many as the system starts, and returns the results in order of
+/// the indices, whatever the number of threads. Calls `progress` with the number of results so far, on the thread of the caller. One
+/// job starts no thread: WebAssembly has none.
 pub fn for_each<T: Send>(
     count: usize,
     jobs: NonZeroUsize,
@@ -34,20 +34,27 @@ pub fn for_each<T: Send>(
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    let run = |sender: mpsc::Sender<(usize, T)>| {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= count || cancel.load(Ordering::Relaxed) {
+                return;
+            }
+            if sender.send((index, work(index))).is_err() {
+                return;
+            }
+        }
+    };
     thread::scope(|scope| {
-        for _ in 0..jobs.get().min(count) {
-            let (sender, next, work) = (sender.clone(), &next, &work);
-            scope.spawn(move || {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    if index >= count || cancel.load(Ordering::Relaxed) {
-                        return;
-                    }
-                    if sender.send((index, work(index))).is_err() {
-                        return;
-                    }
-                }
-            });
+        let run = &run;
+        let started = (0..jobs.get().min(count)).take_while(|_| {
+            let sender = sender.clone();
+            let thread = thread::Builder::new().spawn_scoped(scope, move || run(sender));
+            thread.is_ok()
+        });
+        // A system that refuses a thread leaves the work to those that it has started, or to this one.
+        if started.count() == 0 {
+            run(sender.clone());
         }
         drop(sender);
         for (done, (index, result)) in receiver.into_iter().enumerate() {
