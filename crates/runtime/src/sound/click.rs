@@ -34,6 +34,10 @@ impl ClickChooser {
     pub fn update(&mut self, step: &Snapshot, layout: &Layout) -> Option<Click> {
         let was_pressing = self.is_pressing();
         step.touches.iter().for_each(|touch| self.track(touch));
+        if step.state != PipelineState::Running {
+            // Everything is released, which no touch says.
+            self.pressing = Default::default();
+        }
         let suppressed = suppressed_presses(&step.stats);
         let earlier = self.suppressed.replace(suppressed);
         if earlier.is_some_and(|earlier| suppressed > earlier) {
@@ -237,6 +241,16 @@ pub(super) mod tests {
         let mut moved = step();
         moved.stats.suppressed.pointing_by_role += 1;
         assert_eq!(clicks(&layout, [moved]), [None]);
+    }
+
+    #[test]
+    fn gestures_click_after_a_pause_that_has_released_a_finger() {
+        let layout = layout("qwerty-flat");
+        let mut paused = step();
+        paused.state = PipelineState::Paused;
+        let steps = [press(&layout, "H"), paused, down(step(), "J")];
+        let heard = clicks(&layout, steps);
+        assert_eq!(heard, [Some(Click::Key), None, Some(Click::Key)]);
     }
 
     #[test]
