@@ -2,10 +2,11 @@
 
 use std::collections::VecDeque;
 
+use arrayvec::ArrayVec;
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 
-use super::Reading;
 use super::event::CaptureEvent;
+use super::{CaptureError, Reading};
 use ademan_core::hand::{HandPart, Side};
 
 /// Most readings of one hand, or of a part of it, in the queue of a live source: a pause of 90 ms at 115 200 baud. Older ones no
@@ -14,6 +15,9 @@ pub(super) const QUEUE_CAPACITY: usize = 16;
 
 /// Events that the queue of a live source has room for: the readings of the arms and the fingers of both hands.
 pub(super) const LIVE_CAPACITY: usize = QUEUE_CAPACITY * Side::COUNT * HandPart::COUNT;
+
+/// Most losses of different things: of each hand or both, of each part or all of it, and of the whole source.
+const MAX_LOSSES: usize = (Side::COUNT + 1) * (HandPart::COUNT + 1) + 1;
 
 /// Events in order.
 pub(super) trait EventBuffer {
@@ -184,24 +188,33 @@ impl<B: EventBuffer> EventQueue<B> {
             // The statistics of later events include these.
             Some(CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_)) => {}
             Some(event) if reading_count(&event) > 0 => self.dropped += reading_count(&event),
-            Some(loss) => self.keep_last_loss(loss),
+            Some(loss) => self.keep_losses(loss),
             // The consumer was faster.
             None => {}
         }
     }
 
-    /// Drops all queued events except the last loss, which must stay before the readings that follow it.
-    fn keep_last_loss(&mut self, mut loss: CaptureEvent) {
-        while let Some(event) = self.buffer.pop() {
+    /// Drops all queued events except the losses, which must stay before the readings that follow them: the last one of each part that
+    /// was lost, as the loss of a part releases that part only.
+    fn keep_losses(&mut self, first: CaptureEvent) {
+        let mut losses = ArrayVec::<CaptureEvent, MAX_LOSSES>::new();
+        let mut next = Some(first);
+        while let Some(event) = next {
             match event {
                 CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_) => {}
                 event if reading_count(&event) > 0 => self.dropped += reading_count(&event),
-                later => loss = later,
+                loss => {
+                    losses.retain(|earlier| lost_part(earlier) != lost_part(&loss));
+                    losses.push(loss);
+                }
             }
+            next = self.buffer.pop();
         }
-        self.note(None);
-        // There is room: the buffer was empty a moment ago and nothing else sends.
-        let _ = self.buffer.push(loss);
+        for loss in losses {
+            self.note(None);
+            // There is room: the buffer was empty a moment ago and nothing else sends.
+            let _ = self.buffer.push(loss);
+        }
     }
 }
 
@@ -210,6 +223,14 @@ fn origin(event: &CaptureEvent) -> Origin {
     match event {
         CaptureEvent::Reading { reading, .. } => Some(origin(reading)),
         CaptureEvent::Readings { readings, .. } => readings.first().map(origin),
+        _ => None,
+    }
+}
+
+/// Returns the hand and the part that a loss is of; `None` for a loss of the whole source, and for any other event.
+fn lost_part(event: &CaptureEvent) -> Origin {
+    match event {
+        CaptureEvent::Lost(CaptureError::PartLost { side, part, .. }) => Some((*side, *part)),
         _ => None,
     }
 }
@@ -228,7 +249,7 @@ mod tests {
     use std::time::Instant;
 
     use super::*;
-    use crate::capture::{CaptureError, Sample, SourceStats};
+    use crate::capture::{Sample, SourceStats};
     use ademan_core::time::Timestamp;
 
     fn reading(side: Side, time: u64) -> CaptureEvent {
@@ -312,5 +333,40 @@ mod tests {
         let readings = take_all(&mut queue.buffer);
         assert_eq!(readings.last(), Some(&(Side::Left, 1000)), "{readings:?}");
         assert_eq!(times(&readings, Side::Right).last(), Some(&999));
+    }
+
+    #[test]
+    fn a_flood_after_the_losses_of_both_hands_keeps_the_last_loss_of_each() {
+        let mut queue = EventQueue::new(VecDeque::with_capacity(LIVE_CAPACITY), true);
+        let named = |name: &str| CaptureError::Interrupted {
+            source_name: name.into(),
+            reason: "a test".into(),
+        };
+        for (side, name) in [
+            (Side::Left, "first"),
+            (Side::Right, "second"),
+            (Side::Left, "third"),
+        ] {
+            queue.push(CaptureEvent::Lost(CaptureError::PartLost {
+                side: Some(side),
+                part: None,
+                error: Box::new(named(name)),
+            }));
+        }
+        for time in 0..1000 {
+            queue.push(reading(Side::Right, time));
+        }
+        let losses = std::iter::from_fn(|| match queue.buffer.pop() {
+            Some(CaptureEvent::Lost(CaptureError::PartLost { side, error, .. })) => {
+                Some((side, error.source_name().to_owned()))
+            }
+            _ => None,
+        });
+        let losses: Vec<_> = losses.collect();
+        let expected = [(Side::Right, "second"), (Side::Left, "third")];
+        assert_eq!(
+            losses,
+            expected.map(|(side, name)| (Some(side), name.to_owned()))
+        );
     }
 }
