@@ -90,12 +90,21 @@ impl Connector for UdpConnector {
 }
 
 fn bind(address: &str) -> Result<UdpSocket> {
-    // The list of host names may give `localhost` any address.
-    let addresses = address.to_socket_addrs()?.map(canonical);
-    let own: Vec<_> = addresses.filter(|it| it.ip().is_loopback()).collect();
+    let own = own_addresses(address.to_socket_addrs()?);
     let socket = UdpSocket::bind(&*own)?;
     socket.set_read_timeout(Some(READ_TIMEOUT))?;
     Ok(socket)
+}
+
+/// Returns the addresses that no other machine can send to, in the order in which they are tried: the list of host names may give
+/// `localhost` any address.
+///
+/// The addresses of IPv4 come first. Most systems name `::1` first, and most programs that send to `localhost` use 127.0.0.1.
+fn own_addresses(resolved: impl Iterator<Item = SocketAddr>) -> Vec<SocketAddr> {
+    let addresses = resolved.map(canonical);
+    let mut own: Vec<_> = addresses.filter(|it| it.ip().is_loopback()).collect();
+    own.sort_by_key(SocketAddr::is_ipv6);
+    own
 }
 
 /// Reader of one datagram per read, all of them from one sender.
@@ -188,6 +197,16 @@ mod tests {
         let mut line = Vec::new();
         text_line::write(&JointAngles::default(), time, &mut line);
         line
+    }
+
+    #[test]
+    fn a_name_is_its_address_of_ipv4_on_this_machine_before_the_one_of_ipv6() {
+        let address = |text: &str| -> SocketAddr { text.parse().unwrap() };
+        let resolved = ["[::1]:9000", "192.0.2.1:9000", "127.0.0.1:9000"].map(address);
+        assert_eq!(
+            own_addresses(resolved.into_iter()),
+            ["127.0.0.1:9000", "[::1]:9000"].map(address)
+        );
     }
 
     #[test]
