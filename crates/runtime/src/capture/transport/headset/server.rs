@@ -9,9 +9,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, Sender, bounded};
+use tungstenite::WebSocket;
 use tungstenite::handshake::server::Request;
 use tungstenite::protocol::Role;
-use tungstenite::{Message, WebSocket};
 
 use super::HeadsetPages;
 use super::hello::{Answer, Hello};
@@ -33,6 +33,9 @@ const SOCKET_PATH: &str = "/hands";
 
 /// Longest time until the first message.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Longest time in which a page reads an answer: the text of a layout may have a megabyte.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Longest time after which a client, and the end of the source, are noticed.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
@@ -187,14 +190,14 @@ impl Shared {
         };
         let token = client.prove(&hello.token).ok().flatten();
         let Some(token) = token.filter(|token| token.role != TokenRole::See) else {
-            answer(&mut receiver, &Answer::Refused);
+            refuse(&mut receiver, &Answer::Refused);
             return;
         };
         let (address, socket) = (client.address(), client.socket());
         // It is no longer a handshake.
         drop(client);
         let Some(id) = self.clients.add(&socket) else {
-            answer(&mut receiver, &Answer::Busy);
+            refuse(&mut receiver, &Answer::Busy);
             return;
         };
         let headset = Headset::new(&hello.name, address);
@@ -204,11 +207,14 @@ impl Shared {
             "the headset `{name}` at {address} has connected with the token `{token}`; `ademan token revoke {token}` disconnects it"
         );
         let layout = self.layout.as_deref().and_then(layout_text);
-        answer(&mut receiver, &Answer::Welcome { layout });
-        let reason = receiver.receive(
-            || self.is_stopped() || !self.clients.is_connected(id),
-            |line| self.send(id, ClientEvent::Message(id, line)),
-        );
+        let welcome = Answer::Welcome { layout }.to_text();
+        let reason = match receiver.send(welcome, ANSWER_TIMEOUT) {
+            Ok(()) => receiver.receive(
+                || self.is_stopped() || !self.clients.is_connected(id),
+                |line| self.send(id, ClientEvent::Message(id, line)),
+            ),
+            Err(reason) => reason,
+        };
         drop(connected);
         let is_replaced = !self.clients.is_connected(id);
         let reason = reason_of_end(reason, self.is_stopped(), is_replaced);
@@ -273,11 +279,10 @@ fn finish(mut stream: ServerStream, bytes: &[u8]) -> io::Result<()> {
     stream.flush()
 }
 
-/// Answers a page. One that does not read is noticed by the next read.
-fn answer(receiver: &mut MessageReceiver<ServerStream>, answer: &Answer) {
-    let socket = receiver.socket_mut();
-    let sent = socket.send(Message::text(answer.to_text()));
-    if !matches!(answer, Answer::Welcome { .. }) && sent.is_ok() {
+/// Answers a page whose hands are not read, and ends its connection.
+fn refuse(receiver: &mut MessageReceiver<ServerStream>, answer: &Answer) {
+    if receiver.send(answer.to_text(), ANSWER_TIMEOUT).is_ok() {
+        let socket = receiver.socket_mut();
         let _ = socket.close(None);
         let _ = socket.flush();
     }

@@ -66,6 +66,33 @@ impl<S: Read + Write> MessageReceiver<S> {
         &mut self.socket
     }
 
+    /// Sends a text, which may be longer than all other messages, to a client that reads it within `timeout`. Fails with the reason.
+    #[cfg(feature = "tls")]
+    pub fn send(&mut self, text: String, timeout: Duration) -> Result<(), String> {
+        let deadline = Instant::now() + timeout;
+        let limit = self.socket.get_config().max_write_buffer_size;
+        let limit_of_text = limit + text.len();
+        self.socket
+            .set_config(|config| config.max_write_buffer_size = limit_of_text);
+        let mut sent = self.socket.send(Message::text(text));
+        // A single write of the connection may take less time than a slow network needs.
+        while let Err(tungstenite::Error::Io(error)) = &sent
+            && is_timeout(error)
+            && Instant::now() < deadline
+        {
+            sent = self.socket.flush();
+        }
+        self.socket
+            .set_config(|config| config.max_write_buffer_size = limit);
+        match sent {
+            Err(tungstenite::Error::Io(error)) if is_timeout(&error) => Err(format!(
+                "the client did not read an answer within {} s",
+                timeout.as_secs()
+            )),
+            other => other.map_err(|error| error.to_string()),
+        }
+    }
+
     /// Passes the messages on, each with a line end, until `send` returns `false`. Returns the reason why the client has left.
     pub fn receive(
         &mut self,
@@ -145,4 +172,65 @@ fn is_timeout(error: &io::Error) -> bool {
         error.kind(),
         ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
     )
+}
+
+#[cfg(all(test, feature = "tls"))]
+mod tests {
+    use tungstenite::protocol::Role;
+
+    use super::*;
+    use crate::network::MemoryStream;
+
+    /// A connection that takes 10 000 bytes at once, and none at every second try.
+    #[derive(Default)]
+    struct SlowStream {
+        received: Vec<u8>,
+        tries: usize,
+    }
+
+    impl Read for SlowStream {
+        fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+            Err(ErrorKind::WouldBlock.into())
+        }
+    }
+
+    impl Write for SlowStream {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.tries += 1;
+            if self.tries.is_multiple_of(2) {
+                return Err(ErrorKind::WouldBlock.into());
+            }
+            let count = bytes.len().min(10_000);
+            self.received.extend_from_slice(&bytes[..count]);
+            Ok(count)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn receiver<S: Read + Write>(stream: S) -> MessageReceiver<S> {
+        let stream = MessageStream::new(stream);
+        let config = Some(socket_config());
+        MessageReceiver::new(WebSocket::from_raw_socket(stream, Role::Server, config))
+    }
+
+    #[test]
+    fn a_text_longer_than_all_messages_of_clients_arrives_whole_over_a_slow_connection() {
+        let mut client = receiver(SlowStream::default());
+        let text = "key ".repeat(MAX_MESSAGE_BYTES);
+        client.send(text.clone(), Duration::from_secs(60)).unwrap();
+        let received = &client.socket_mut().get_mut().stream_mut().received;
+        // The head of such a frame has ten bytes.
+        assert_eq!(received.len(), text.len() + 10);
+        assert!(received.ends_with(text.as_bytes()));
+    }
+
+    #[test]
+    fn a_client_that_reads_no_answer_is_given_up() {
+        let mut client = receiver(MemoryStream::new(0));
+        let reason = client.send("answer".to_owned(), Duration::ZERO);
+        assert!(reason.unwrap_err().contains("did not read"));
+    }
 }
