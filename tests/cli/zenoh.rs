@@ -1,5 +1,6 @@
 //! Hands through a router of zenoh: capture, a typist and viewers, each a process of its own, around a router.
 
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::process::Stdio;
@@ -174,6 +175,33 @@ fn a_typist_and_viewers_follow_a_hand_that_is_killed_and_comes_back() {
         assert_eq!(keys.count(), 0, "a source on the network only points");
     }
     drop((second, viewers));
+}
+
+#[test]
+fn a_hand_is_shared_with_all_of_many_keys() {
+    let (router, address) = router();
+    let keys: BTreeSet<String> = (0..6).map(|number| format!("lab/desk/{number}")).collect();
+    let samples = router
+        .declare_subscriber("lab/desk/*")
+        .wait()
+        .expect("a valid key");
+    let source = format!("typist:{}", "hola ".repeat(200));
+    let mut arguments = vec!["--output", "none", "--source", source.as_str()];
+    let shares: Vec<String> = keys
+        .iter()
+        .map(|key| format!("zenoh:{key}?router={address}"))
+        .collect();
+    arguments.extend(shares.iter().flat_map(|share| ["--share", share.as_str()]));
+    let _run = Run::start(&arguments);
+    let mut shared = BTreeSet::new();
+    let start = Instant::now();
+    while shared != keys {
+        assert!(start.elapsed() < TIMEOUT, "only {shared:?}");
+        let sample = samples
+            .recv_timeout(Duration::from_millis(100))
+            .expect("the session is open");
+        shared.extend(sample.map(|sample| sample.key_expr().to_string()));
+    }
 }
 
 #[test]

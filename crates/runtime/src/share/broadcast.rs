@@ -111,7 +111,8 @@ impl Broadcast {
         WRITE_INTERVAL_PER_CLIENT * (self.clients.len() - 1) as u32
     }
 
-    fn add(&mut self, connection: Connection) {
+    /// Adds a client, or closes its connection if it is one too many.
+    pub fn add(&mut self, connection: Connection) {
         let server = connection.server;
         if !self.make_room(server) {
             tracing::debug!("a client of {} is one too many", self.servers[server]);

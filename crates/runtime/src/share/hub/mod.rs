@@ -88,7 +88,7 @@ impl ShareHub {
             return Ok(hub);
         }
         check_ports(targets)?;
-        let (mut servers, mut senders) = (Vec::new(), Vec::new());
+        let (mut servers, mut senders, mut publishers) = (Vec::new(), Vec::new(), Vec::new());
         for target in &mut hub.targets {
             if target.format.is_datagram() {
                 senders.push(DatagramSender::open(target, first)?);
@@ -100,7 +100,7 @@ impl ShareHub {
                 ShareLink::Tls => Some(Gatekeeper::open(&network_folder()?)?),
                 ShareLink::Zenoh(key) => {
                     let stream = Box::new(Publisher::open(target.address, key)?);
-                    let _ = connections.try_send(Connection { server, stream });
+                    publishers.push(Connection { server, stream });
                     servers.push(*target);
                     continue;
                 }
@@ -121,6 +121,9 @@ impl ShareHub {
             encoder,
             clients,
         );
+        for publisher in publishers {
+            broadcast.add(publisher);
+        }
         let thread = thread::Builder::new().name("share".into());
         let spawned = thread.spawn(move || {
             let _end: Sender<()> = end;
