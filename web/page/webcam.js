@@ -265,6 +265,7 @@ export function prepareWebcam(stagesOfPage, handsOfLayout) {
   for (const id of ["typing", "scripting"]) element(id).addEventListener("submit", () => isWanted() && stop(), { capture: true });
   element("stop").addEventListener("click", () => isWanted() && stop());
   element("recording").addEventListener("change", () => isWanted() && stop());
+  addEventListener("drop", ({ dataTransfer }) => isWanted() && [...dataTransfer.files].some((it) => !it.name.endsWith(".ron")) && stop());
   document.addEventListener("visibilitychange", () => document.hidden && isWanted() && stop("the camera was stopped because the page was hidden"));
   addEventListener("pagehide", () => isWanted() && stop());
 }

@@ -16,7 +16,8 @@ const LOOK: &str = r##"({
   layout: document.getElementById("layout").textContent,
 })"##;
 
-fn drop_file(browser: &mut Browser, name: &str, bytes: &[u8]) {
+/// Drops a file onto the page.
+pub(super) fn drop_file(browser: &mut Browser, name: &str, bytes: &[u8]) {
     let (name, bytes) = (json!(name), json!(bytes));
     browser.evaluate(&format!(
         "(() => {{ const files = new DataTransfer(); files.items.add(new File([new Uint8Array({bytes})], {name}));

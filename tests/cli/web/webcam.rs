@@ -7,6 +7,7 @@ use std::sync::{LazyLock, Mutex};
 
 use serde_json::{Value, json};
 
+use super::files::drop_file;
 use super::hand_picture::write_film;
 use super::page::{look_like, open};
 use super::{folder, serve};
@@ -204,17 +205,8 @@ fn a_hand_before_a_webcam_gets_the_board_under_its_fingers_types_and_is_released
     assert_eq!(foreign.count(), 0, "{requests:?}");
 }
 
-#[test]
-fn a_camera_that_the_browser_gives_after_the_person_types_otherwise_is_let_go() {
-    let Some(folder) = folder_with_vision() else {
-        return;
-    };
-    let scratch = tempfile::tempdir().expect("a folder");
-    let Some(mut browser) = browser(&scratch.path().join("requests.json")) else {
-        return;
-    };
-    let (_server, address) = serve(&folder);
-    open(&mut browser, &address);
+/// Starts the camera, which the browser gives with `globalThis.allow()` only.
+fn ask_for_camera(browser: &mut Browser, scratch: &Path) {
     browser.evaluate(
         "{
             const devices = navigator.mediaDevices;
@@ -229,16 +221,49 @@ fn a_camera_that_the_browser_gives_after_the_person_types_otherwise_is_let_go() 
         }",
     );
     // The camera is asked for before anything looks into the model.
-    let model = scratch.path().join("model.task");
+    let model = scratch.join("model.task");
     let mut bytes = vec![0; 200_000];
     bytes[..2].copy_from_slice(b"PK");
     fs::write(&model, bytes).expect("a file");
     browser.evaluate("document.getElementById('webcam').open = true");
-    choose(&mut browser, "webcam-file", &model);
+    choose(browser, "webcam-file", &model);
     browser.wait_for(LOOK, "the browser asks for the camera", |look| {
         has(look, "status", "waiting for the camera")
     });
+}
 
+#[test]
+fn a_recording_that_is_dropped_switches_the_camera_off_and_a_layout_does_not() {
+    let Some(folder) = folder_with_vision() else {
+        return;
+    };
+    let scratch = tempfile::tempdir().expect("a folder");
+    let Some(mut browser) = browser(&scratch.path().join("requests.json")) else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    open(&mut browser, &address);
+    ask_for_camera(&mut browser, scratch.path());
+    drop_file(&mut browser, "mine.ron", b"Layout(name: \"Mine\")");
+    let look = browser.wait_for(LOOK, "it still waits", |_| true);
+    assert!(has(&look, "status", "waiting for the camera"), "{look}");
+    drop_file(&mut browser, "hands.jsonl", b"{\"hands\":[]}");
+    let off = browser.wait_for(LOOK, "it is off", |_| true);
+    assert!(has(&off, "status", "the camera is off"), "{off}");
+}
+
+#[test]
+fn a_camera_that_the_browser_gives_after_the_person_types_otherwise_is_let_go() {
+    let Some(folder) = folder_with_vision() else {
+        return;
+    };
+    let scratch = tempfile::tempdir().expect("a folder");
+    let Some(mut browser) = browser(&scratch.path().join("requests.json")) else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    open(&mut browser, &address);
+    ask_for_camera(&mut browser, scratch.path());
     click(&mut browser, "type");
     browser.evaluate("globalThis.allow()");
     let look = browser.wait_for(LOOK, "the camera is let go", |seen| {
