@@ -40,12 +40,13 @@ export function connectComputer(notify, open) {
 
   function connect() {
     const own = new WebSocket(`wss://${location.host}/hands`);
-    let isRefused = false;
+    let [isRefused, isBusy] = [false, false];
     socket = own;
     own.onopen = () => own.send(JSON.stringify({ token, name: nameOfHeadset() }));
     own.onmessage = ({ data }) => {
       const message = JSON.parse(data);
       isRefused ||= message.kind === "refused";
+      isBusy ||= message.kind === "busy";
       receivers[message.kind]?.(message);
     };
     own.onclose = () => {
@@ -56,7 +57,7 @@ export function connectComputer(notify, open) {
         notify(state);
         return;
       }
-      say("not connected to the computer; trying again");
+      if (!isBusy) say("not connected to the computer; trying again");
       setTimeout(connect, wait);
       wait = Math.min(2 * wait, LONGEST_WAIT_MS);
     };

@@ -230,6 +230,50 @@ fn a_client_without_the_token_or_of_another_page_is_refused() {
     assert_eq!(fetched, json!([200, 200, 404, 404, 404]));
 }
 
+#[test]
+fn a_page_says_that_another_headset_is_read_as_long_as_it_is() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let server = Server::start(&folder);
+    browser.call(
+        "Security.setIgnoreCertificateErrors",
+        json!({"ignore": true}),
+    );
+    browser.call("Page.navigate", json!({"url": server.link}));
+    connected(&mut browser, "once it allows keys");
+    let url = json!(format!("{}hands", server.page().replace("https", "wss")));
+    let token = server.link.rsplit('=').next().expect("a token");
+    let hello = json!(json!({"token": token, "name": "other"}).to_string());
+    // Another headset, whose hand is seen.
+    browser.evaluate(&format!(
+        r#"(() => {{
+            const line = document.getElementById("computer");
+            globalThis.said = [];
+            new MutationObserver(() => said.push(line.textContent)).observe(line, {{ childList: true }});
+            const other = new WebSocket({url});
+            const joints = Array.from({{ length: 25 }}, () => [0.1, 1, -0.3]);
+            let time = 0;
+            const send = () => other.send(JSON.stringify({{ time_us: time += 20000, hands: [{{ label: "right", joints }}] }}));
+            other.onopen = () => other.send({hello});
+            other.onmessage = () => setInterval(send, 20);
+            return true;
+        }})()"#
+    ));
+    let said = |look: &Value| -> Vec<String> {
+        let all = look["said"].as_array().into_iter().flatten();
+        all.filter_map(|it| it.as_str().map(str::to_owned))
+            .skip_while(|it| !it.contains("reads another headset"))
+            .collect()
+    };
+    let look = browser.wait_for("({said})", "it has tried twice", |seen| {
+        said(seen).len() > 1
+    });
+    let texts = said(&look);
+    assert_eq!(texts[0], texts[1], "{look}");
+}
+
 /// Waits until the state of the session contains these words.
 fn wait_for_state(server: &Server, words: &str) {
     let control = server.home.path().join("control");
