@@ -13,8 +13,8 @@ use super::clock_offset::ClockOffset;
 use super::event::NOISE_INTERVAL;
 use super::feedback::FeedbackDevice;
 use super::{
-    CancelToken, CaptureError, CaptureEvent, CaptureThread, HeadsetList, MAX_BLOCK, Reading,
-    Source, SourceEvent, SourceStats, spawn,
+    CancelToken, CaptureError, CaptureEvent, CaptureThread, HeadsetList, MAX_BLOCK, PacedSource,
+    Reading, Source, SourceEvent, SourceStats, spawn,
 };
 use ademan_core::hand::{HandPart, Side};
 use ademan_core::time::{NO_DEADLINE, Timestamp};
@@ -42,8 +42,8 @@ pub struct PartialSource {
 /// Each source runs on its own thread. Live readings are merged in the order of the movements that they show: the clock of
 /// each source is shifted to the clock of arrival, and the readings of a source with a short delay are held back until the
 /// source with the longest delay shows the same moment. Other readings, such as readings of recordings, are merged in order
-/// of their own times. The loss of a source costs its part only, see [`CaptureError::PartLost`]. The stream ends when all
-/// sources have ended.
+/// of their own times; beside a live source they come at their own pace. The loss of a source costs its part only, see
+/// [`CaptureError::PartLost`]. The stream ends when all sources have ended.
 pub struct MergedSource {
     name: String,
     is_live: bool,
@@ -79,11 +79,22 @@ struct MergedInput {
 }
 
 impl MergedInput {
-    fn start(mut source: PartialSource, longest_delay: Duration) -> Result<Self, CaptureError> {
+    /// Starts a source; `is_live` is `true` if any of the merged ones is live.
+    fn start(
+        mut source: PartialSource,
+        longest_delay: Duration,
+        is_live: bool,
+    ) -> Result<Self, CaptureError> {
         let has_fingers = source.part != Some(HandPart::Arm);
         let side = source.side.filter(|_| has_fingers);
         let feedback = side.and_then(|side| source.source.take_feedback_device(side));
-        let thread = spawn(source.source)?;
+        let opened: Box<dyn Source> = if is_live && !source.source.is_live() {
+            // At the speed of the disk, all of its readings would show the present moment.
+            Box::new(PacedSource::new(source.source, 1.0))
+        } else {
+            source.source
+        };
+        let thread = spawn(opened)?;
         Ok(Self {
             side: source.side,
             part: source.part,
@@ -201,7 +212,7 @@ impl MergedSource {
         let delays = sources.iter().map(|it| it.delay);
         let longest_delay = delays.max().unwrap_or_default();
         let inputs = sources.into_iter();
-        let inputs = inputs.map(|source| MergedInput::start(source, longest_delay));
+        let inputs = inputs.map(|source| MergedInput::start(source, longest_delay, is_live));
         Ok(Self {
             name,
             is_live,

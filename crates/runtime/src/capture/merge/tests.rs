@@ -107,6 +107,19 @@ fn live_sources_share_a_clock_that_never_decreases() {
 }
 
 #[test]
+fn a_recording_beside_a_live_source_keeps_its_pace() {
+    let live = TimedSource("live", vec![0]);
+    let recording = TimedSource("recording", vec![0, 1_000_000]);
+    let (readings, _) = merge(live, recording);
+    let of_recording = readings.iter().filter(|(side, _)| *side == Side::Right);
+    let times: Vec<u64> = of_recording.map(|(_, time)| *time).collect();
+    let [first, second] = times[..] else {
+        panic!("{readings:?}")
+    };
+    assert!(second - first > 500_000, "{times:?}");
+}
+
+#[test]
 fn no_two_live_readings_of_a_hand_have_the_same_time_although_the_other_hand_overtakes_it() {
     // Their own clocks are slower than the arrival, so that each hand is behind whenever the other one has a reading.
     let times = || (0..300).collect();
