@@ -56,8 +56,9 @@ impl PendingReadings {
         }
         self.has_low_counts |= self.low_counts.update(&packet.sample);
         let bytes_after = received.saturating_sub(packet.end) as usize;
+        let (nominal, sent_at) = (packet.time, packet.sent_at);
         self.readings.push_back(Reading {
-            time: self.clock.stamp(now, bytes_after, format, packet.time),
+            time: self.clock.stamp(now, bytes_after, format, nominal, sent_at),
             side: packet.side,
             part: packet.part,
             sample: packet.sample,
