@@ -90,21 +90,19 @@ impl Connector for UdpConnector {
 }
 
 fn bind(address: &str) -> Result<UdpSocket> {
-    let own = own_addresses(address.to_socket_addrs()?);
-    let socket = UdpSocket::bind(&*own)?;
+    let own = own_address(address.to_socket_addrs()?);
+    // Another address than the one that is sent to would receive nothing.
+    let socket = UdpSocket::bind(own.as_slice())?;
     socket.set_read_timeout(Some(READ_TIMEOUT))?;
     Ok(socket)
 }
 
-/// Returns the addresses that no other machine can send to, in the order in which they are tried: the list of host names may give
-/// `localhost` any address.
+/// Returns the address to which no other machine can send, if there is one: the list of host names may give `localhost` any address.
 ///
-/// The addresses of IPv4 come first. Most systems name `::1` first, and most programs that send to `localhost` use 127.0.0.1.
-fn own_addresses(resolved: impl Iterator<Item = SocketAddr>) -> Vec<SocketAddr> {
-    let addresses = resolved.map(canonical);
-    let mut own: Vec<_> = addresses.filter(|it| it.ip().is_loopback()).collect();
-    own.sort_by_key(SocketAddr::is_ipv6);
-    own
+/// An address of IPv4 comes first. Most systems name `::1` first, and most programs that send to `localhost` use 127.0.0.1.
+fn own_address(resolved: impl Iterator<Item = SocketAddr>) -> Option<SocketAddr> {
+    let own = resolved.map(canonical).filter(|it| it.ip().is_loopback());
+    own.min_by_key(SocketAddr::is_ipv6)
 }
 
 /// Reader of one datagram per read, all of them from one sender.
@@ -203,10 +201,10 @@ mod tests {
     fn a_name_is_its_address_of_ipv4_on_this_machine_before_the_one_of_ipv6() {
         let address = |text: &str| -> SocketAddr { text.parse().unwrap() };
         let resolved = ["[::1]:9000", "192.0.2.1:9000", "127.0.0.1:9000"].map(address);
-        assert_eq!(
-            own_addresses(resolved.into_iter()),
-            ["127.0.0.1:9000", "[::1]:9000"].map(address)
-        );
+        let own = |count: usize| own_address(resolved.into_iter().take(count));
+        assert_eq!(own(1), Some(resolved[0]));
+        assert_eq!(own(3), Some(resolved[2]));
+        assert_eq!(own_address([resolved[1]].into_iter()), None);
     }
 
     #[test]
