@@ -33,6 +33,9 @@ const MAX_WAITING: usize = 200_000;
 /// The longest delay that readings of a sensor that measures now keep, in microseconds: pages draw at 60 Hz.
 const MAX_DELAY_US: i64 = 100_000;
 
+/// Pause before the readings of a sender that has started again, in a file.
+const RESTART_PAUSE: Duration = Duration::from_secs(1);
+
 /// Returns the format of a name such as `hand-landmarks?mirrored=yes&view_deg=70`.
 fn format_of(text: &str) -> Result<StreamFormat, String> {
     let (name, options) = text.split_once('?').unwrap_or((text, ""));
@@ -263,7 +266,17 @@ impl FollowedHand {
                     {
                         *offset = Some(arrival);
                     }
-                    Timestamp(own.0.saturating_add_signed(offset.unwrap_or(arrival)))
+                    let due = Timestamp(own.0.saturating_add_signed(offset.unwrap_or(arrival)));
+                    let is_of_file = !is_live && packet.sent_at.is_some();
+                    match waiting.back() {
+                        // Its readings would all be due at once.
+                        Some(last) if is_of_file && due < last.time => {
+                            let later = last.time + RESTART_PAUSE;
+                            *offset = Some(later.0.cast_signed().wrapping_sub(own.0.cast_signed()));
+                            later
+                        }
+                        _ => due,
+                    }
                 }
                 None => now,
             };

@@ -81,6 +81,30 @@ fn the_hand_of_a_headset_types_what_it_presses() {
 }
 
 #[test]
+fn a_second_run_of_a_sender_in_a_file_is_played_after_the_first_one() {
+    let mut person = session();
+    assert_eq!(person.type_text("hola"), []);
+    let (mut run, mut time_us) = (String::new(), 0);
+    while person.hand_state() != HandState::Resting {
+        let poses = of_kind(&person.advance(PERIOD), "pose");
+        run.push_str(&line(time_us, &poses));
+        time_us += 10_000;
+    }
+    let mut player = session();
+    let played = player.play_file("webxr", run.repeat(2).as_bytes());
+    assert!(played.is_ok(), "{played:?}");
+    let mut presses = Vec::new();
+    for _ in 0..2 * time_us / 10_000 + 200 {
+        let events = of_kind(&player.advance(PERIOD), "events");
+        let downs = events.iter().filter(|it| it["event"] == "key-down");
+        presses.extend(downs.map(|it| it["time_us"].as_u64().expect("a time")));
+    }
+    assert_eq!(player.text(), "holahola");
+    // The same letter of both runs.
+    assert!(presses[4] - presses[0] > time_us, "{presses:?}");
+}
+
+#[test]
 fn a_hand_that_the_headset_loses_releases_its_key() {
     let mut session = session();
     let is_down = |events: &[Value]| events.iter().any(|it| it["event"] == "key-down");
