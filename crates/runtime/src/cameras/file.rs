@@ -95,11 +95,16 @@ impl CamerasFile {
             }
             CamerasFormat::Toml => Self::parse_toml(text)?,
         };
-        for entry in &file.cameras {
+        for (index, entry) in file.cameras.iter().enumerate() {
             let error = |reason| CamerasFileError::Camera {
                 name: entry.name.clone(),
                 reason,
             };
+            // A view is of the camera with its name.
+            let before = &file.cameras[..index];
+            if before.iter().any(|other| other.name == entry.name) {
+                return Err(error("is there twice; give each camera its own name"));
+            }
             let (k1, k2, p1, p2) = entry.distortion;
             let pairs = [entry.size_px, entry.focal_px, entry.center_px];
             let triples = [entry.rotation, entry.translation_m];

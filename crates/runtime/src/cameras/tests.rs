@@ -259,6 +259,13 @@ fn files_of_both_forms_keep_all_numbers_and_others_are_refused() {
         let error = CamerasFile::parse(&text, CamerasFormat::Toml).unwrap_err();
         assert!(error.to_string().contains(reason), "{reason}: {error}");
     }
+    let (camera, _) = anipose.split_once("[metadata]").unwrap();
+    let twice = format!("{camera}{}", camera.replace("cam_0", "cam_1"));
+    let twice_error = CamerasFile::parse(&twice, CamerasFormat::Toml).unwrap_err();
+    assert_eq!(
+        twice_error.to_string(),
+        "the camera `A` is there twice; give each camera its own name"
+    );
 }
 
 #[test]
