@@ -174,14 +174,34 @@ pub fn network_folder() -> Result<PathBuf, NetworkError> {
     Ok(folder.join("network"))
 }
 
-/// Returns the path of a token file: a path, or the name of a file in the network folder.
+/// Returns the path of a token file: a path with a folder, or the name of a file in the network folder. A name never means a file in
+/// the working folder, whose files may be a stranger's.
 pub fn token_path(name: &str) -> PathBuf {
     let path = PathBuf::from(name);
-    if path.components().count() > 1 || path.exists() {
+    if path.components().count() > 1 {
         return path;
     }
     match network_folder() {
         Ok(folder) => folder.join(path),
         Err(_) => path,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn a_name_never_means_a_token_file_in_the_working_folder() {
+        // Cargo runs tests in a folder with this file.
+        let name = "Cargo.toml";
+        assert!(Path::new(name).is_file());
+        let folder = network_folder().expect("HOME is set");
+        assert_eq!(token_path(name), folder.join(name));
+        for path in ["./Cargo.toml", "tokens/desk.token", "/desk.token"] {
+            assert_eq!(token_path(path), Path::new(path));
+        }
     }
 }
