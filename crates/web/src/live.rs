@@ -1,4 +1,4 @@
-//! Sensors that measure now, such as a webcam, and boards that are put under the hands that they see.
+//! Sensors that measure now, such as a webcam, and boards that are put under the hands that they see; and hands without readings.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,6 +10,7 @@ use ademan_core::document::{Document, DocumentError};
 use ademan_core::hand::{JointPositions, Side};
 use ademan_core::layout::Layout;
 use ademan_core::objects::SceneState;
+use ademan_core::time::Timestamp;
 use serde::Serialize;
 
 use crate::hand::{FollowedHand, Hand};
@@ -30,7 +31,9 @@ pub struct Live {
     holding: Option<[OpenHand; Side::COUNT]>,
     advice: Option<HoldAdvice>,
     placement: Option<BoardsUnderHand>,
-    /// `true` if the hands were lost because the sensor is silent.
+    /// The time of the latest reading.
+    latest: Option<Timestamp>,
+    /// `true` if the hands were lost because there are no readings.
     is_silent: bool,
     /// The news that the page has received.
     told: LiveNews,
@@ -112,10 +115,16 @@ impl PageSession {
         Ok(layout)
     }
 
-    /// Follows the readings of a period: releases what a silent sensor holds, and places boards.
+    /// Follows the readings of a period: releases what a silent sensor holds, or a recording that has a gap or ends, and places boards.
     pub(crate) fn follow_live(&mut self, readings: &[Reading]) {
+        if !readings.is_empty() {
+            self.live.latest = Some(self.time);
+            self.live.is_silent = false;
+        }
+        let of_readings = self.live.latest.map(|last| self.time.since(last));
         let silence = match &self.hand {
-            Hand::Followed(hand) => hand.silence(self.time),
+            Hand::Followed(hand) => hand.silence(self.time).or(of_readings),
+            Hand::Recorded(_) => of_readings,
             _ => None,
         };
         if silence.is_some_and(|it| it > MAX_SILENCE) && !self.live.is_silent {

@@ -105,6 +105,35 @@ fn a_second_run_of_a_sender_in_a_file_is_played_after_the_first_one() {
 }
 
 #[test]
+fn a_file_that_ends_while_a_key_is_down_releases_it() {
+    let (mut person, mut probe) = (session(), session());
+    assert_eq!(person.type_text("h"), []);
+    let (mut run, mut time_us) = (String::new(), 0);
+    loop {
+        let poses = of_kind(&person.advance(PERIOD), "pose");
+        let text = line(time_us, &poses);
+        probe.push("webxr", text.as_bytes()).expect("a line");
+        run.push_str(&text);
+        let events = of_kind(&probe.advance(PERIOD), "events");
+        if events.iter().any(|it| it["event"] == "key-down") {
+            break;
+        }
+        time_us += 10_000;
+        assert!(time_us < 10_000_000, "{run}");
+    }
+    let mut player = session();
+    player
+        .play_file("webxr", run.as_bytes())
+        .expect("its readings");
+    let mut events = Vec::new();
+    for _ in 0..time_us / 10_000 + 100 {
+        events.extend(of_kind(&player.advance(PERIOD), "events"));
+    }
+    let last = events.last().expect("a press");
+    assert_eq!(last["event"], "key-up", "{events:?}");
+}
+
+#[test]
 fn a_hand_that_the_headset_loses_releases_its_key() {
     let mut session = session();
     let is_down = |events: &[Value]| events.iter().any(|it| it["event"] == "key-down");
