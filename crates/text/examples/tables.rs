@@ -1,4 +1,4 @@
-//! Prints the measured tables of `docs/typing.md` as Markdown: simulated taps of phrases that the models have not seen.
+//! Prints the measured tables of `docs/typing-measured.md` as Markdown: simulated taps of phrases that the models have not seen.
 //!
 //! `cargo run --release -p ademan-text --example tables -- [--phrases 500] [--people 20] [--tuning]`; with `--tuning`, phrases and
 //! people are those on which costs may be tuned. `--show T1` prints what was read wrong in a tier.

@@ -55,7 +55,7 @@ impl Default for Prior {
 }
 
 impl Prior {
-    /// Thumbs on a telephone, keys of 6.7 × 10.2 mm: fitted to the taps of eight people (see `docs/typing.md`).
+    /// Thumbs on a telephone, keys of 6.7 × 10.2 mm: fitted to the taps of eight people (see `docs/typing-measured.md`).
     pub fn phone() -> Self {
         Self {
             offset: [-0.42, -0.26],

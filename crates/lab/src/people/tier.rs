@@ -5,7 +5,7 @@ use crate::hand::Finger;
 use crate::names::named_enum;
 
 named_enum! {
-    /// A tier of quality: the scatter, the missed and the spurious taps, as in `docs/typing.md`. What a tier does not set
+    /// A tier of quality: the scatter, the missed and the spurious taps, as in `docs/typing-measured.md`. What a tier does not set
     /// comes from the person.
     pub enum Tier ("tier") {
         /// 3 mm.

@@ -13,7 +13,7 @@
 //! assert!(fingers.is_none_or(|fingers| fingers.is_empty()));
 //! ```
 //!
-//! `train.py`, next to the weights, trains them and documents how; `docs/typing.md` of the project states their accuracy.
+//! `train.py`, next to the weights, trains them and documents how; `docs/typing-measured.md` of the project states their accuracy.
 
 mod features;
 mod model;
