@@ -17,7 +17,7 @@ use ademan_core::names::{UnknownName, named_enum};
 named_enum! {
     /// The form in which a hand is shared.
     pub enum ShareFormat ("format") {
-        /// 64 joint angles of the first hand in degrees, by the wire index of the HC11 glove: the line that the source
+        /// 64 joint angles of the first hand in degrees, by the channel of the HC11 glove: the line that the source
         /// `protocol=text-line` reads.
         TextLine = "text-line",
         /// The JSON of `ademan trace angles`.
@@ -41,7 +41,7 @@ impl ShareFormat {
     /// Returns one line about the format, in lower case and without a full stop.
     pub const fn summary(self) -> &'static str {
         match self {
-            Self::TextLine => "64 joint angles in degrees, by the wire index of the HC11 glove",
+            Self::TextLine => "64 joint angles in degrees, by the channel of the HC11 glove",
             Self::Angles => "joint angles in radians as JSON",
             Self::Pose => "positions and orientations of all joints as JSON",
             Self::Json => "lines of JSON of the kinds that a client asks for",

@@ -1,4 +1,4 @@
-//! Text lines of joint angles: 64 numbers in degrees per line, by the wire index of the HC11 glove.
+//! Text lines of joint angles: 64 numbers in degrees per line, by the channel of the HC11 glove.
 //!
 //! The sender is a program that reads the glove and filters its angles. Numbers are separated by blanks or tabs and
 //! may have an exponent: `12.5 -0.0 1.0E-5 …`. A line ends with LF or CR LF. A line that does not have exactly
@@ -21,7 +21,7 @@ use crate::time::Timestamp;
 /// The text line protocol.
 pub const PROTOCOL: Protocol = Protocol {
     name: "text-line",
-    summary: "64 joint angles in degrees per line of text, by the wire index of the HC11 glove",
+    summary: "64 joint angles in degrees per line of text, by the channel of the HC11 glove",
     sample: SampleKind::Angles,
     has_both_hands: false,
     has_parts: false,
