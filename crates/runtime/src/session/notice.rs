@@ -320,14 +320,14 @@ fn write_paused(f: &mut fmt::Formatter<'_>, origin: CommandOrigin) -> fmt::Resul
     write!(f, "paused by {}: ", origin.description())?;
     f.write_str(match origin {
         CommandOrigin::Layout => {
-            "everything is released; that key or gesture, or `ademan ctl resume`, goes on"
+            "everything is released; that key or gesture, or `ademan ctl resume`, ends the pause"
         }
         CommandOrigin::Suspend => "everything is released until the program is continued",
         CommandOrigin::RateLimit => {
-            "more presses than a person makes (`max_presses_per_second` of the setup); everything is released, `ademan ctl \
-             resume` goes on"
+            "more presses than a person makes (`max_presses_per_second` of the setup); everything is released, and `ademan ctl \
+             resume` ends the pause"
         }
-        _ => "everything is released, `ademan ctl resume` goes on",
+        _ => "everything is released, and `ademan ctl resume` ends the pause",
     })
 }
 
