@@ -153,7 +153,7 @@ impl fmt::Display for Notice {
                 if target.format == ShareFormat::Web {
                     write!(f, "open http://{}/; ", target.address)?;
                 }
-                f.write_str("the angles of a hand tell what it types")
+                f.write_str("the angles of a hand reveal what it types")
             }
             Self::NoHaptics(kind) => write!(
                 f,
