@@ -1,4 +1,4 @@
-//! A source of joint angles, as a camera or another glove could be: a hand that nods with its index finger.
+//! A source of joint angles, such as a camera or another glove: a hand that nods with its index finger.
 //!
 //! Everything after a [`Source`] stays as it is. Prints the events of the key below the finger:
 //! `cargo run --example custom_source`

@@ -1,5 +1,5 @@
-//! A laboratory on one machine: 100 hands and 10 programs that follow all of them, through one zenoh router. Prints what
-//! arrived, how late, and the processor time of the whole process.
+//! A laboratory on one machine: 100 hands and 10 programs that follow all of them, through one zenoh router. Prints the lines that
+//! arrived, their delay, and the processor time of the whole process.
 //!
 //! `cargo run --release --features zenoh --example zenoh_load -- [HANDS] [FOLLOWERS] [READINGS PER SECOND] [SECONDS]`
 
