@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 
 use crate::support::binary::ademan;
 use crate::support::press::Press;
-use crate::support::process::{Process, collect_lines};
+use crate::support::process::Process;
+use crate::support::run::line_receiver;
 use crate::support::wearer::packets;
 
 /// Time in which the peer sends.
@@ -23,7 +24,7 @@ fn text_between_packets_causes_one_message_in_ten_seconds_and_a_count() {
         .stdout(Stdio::null())
         .stderr(Stdio::piped());
     let mut program = Process::start(&mut command).expect("the program starts");
-    let lines = collect_lines(program.0.stderr.take().expect("it is piped"));
+    let lines = line_receiver(program.0.stderr.take().expect("it is piped"));
     let (mut peer, _) = listener.accept().expect("the program connects");
     let clear = Press::for_text("h").clear();
     let mut piece = packets(&[clear; 3]);
@@ -40,7 +41,8 @@ fn text_between_packets_causes_one_message_in_ten_seconds_and_a_count() {
     program.0.wait().expect("the program ends");
     let intervals = 1 + start.elapsed().as_secs() as usize / 10;
 
-    let lines = lines.lock().expect("no panic while it is locked").clone();
+    // Up to the end of the stream: the last line comes right before the end of the program.
+    let lines: Vec<_> = lines.iter().collect();
     println!("{sent} texts: {} lines, {lines:#?}", lines.len());
     for kind in ["it sent text", "stalled", "paused: hold", "rejected:"] {
         let count = lines.iter().filter(|line| line.contains(kind)).count();
