@@ -4,7 +4,7 @@ use std::io::Write;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::thread::{self, JoinHandle};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{Framing, encode};
 use ademan::capture::open_loopback;
@@ -12,6 +12,9 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
 use super::press::{Posture, glove_format};
 use super::process::lock_spawning;
+
+/// Longest time for a movement on a busy machine.
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// A connected glove, which sends packets at the rate of its line. It repeats its last posture.
 pub struct Glove {
@@ -21,7 +24,8 @@ pub struct Glove {
 }
 
 enum Message {
-    Play(Vec<Posture>),
+    /// Postures to send, and where to tell that the last one was sent.
+    Play(Vec<Posture>, Sender<()>),
     StopSending,
     SendNoise,
 }
@@ -46,7 +50,20 @@ impl Glove {
 
     /// Sends these postures, one per packet, and repeats the last.
     pub fn play(&self, postures: &[Posture]) {
-        self.send(Message::Play(postures.to_vec()));
+        self.start_playing(postures);
+    }
+
+    /// Sends these postures as [`play`](Self::play) does, and waits until the last one was sent. A busy machine takes longer for
+    /// them than their packets on a line.
+    pub fn play_to_end(&self, postures: &[Posture]) {
+        let sent = self.start_playing(postures);
+        sent.recv_timeout(TIMEOUT).expect("all postures are sent");
+    }
+
+    fn start_playing(&self, postures: &[Posture]) -> Receiver<()> {
+        let (sent, is_sent) = unbounded();
+        self.send(Message::Play(postures.to_vec(), sent));
+        is_sent
     }
 
     /// Stops sending, like a glove that is switched off while its adapter is connected.
@@ -83,12 +100,15 @@ impl Drop for Glove {
 fn play(mut line: Box<dyn Write + Send>, messages: &Receiver<Message>, posture: Posture) {
     let mut random = fastrand::Rng::with_seed(3);
     let mut postures = vec![posture];
+    let mut end = None;
     let mut index = 0;
     let mut is_noise = false;
     let mut due = Instant::now();
     loop {
         match messages.recv_deadline(due) {
-            Ok(Message::Play(new)) => (postures, index, is_noise) = (new, 0, false),
+            Ok(Message::Play(new, sent)) => {
+                (postures, end, index, is_noise) = (new, Some(sent), 0, false);
+            }
             Ok(Message::StopSending) => postures.clear(),
             Ok(Message::SendNoise) => is_noise = true,
             Err(RecvTimeoutError::Disconnected) => return,
@@ -100,7 +120,11 @@ fn play(mut line: Box<dyn Write + Send>, messages: &Receiver<Message>, posture: 
                     }
                     // A program that has exited does not read.
                     let _ = line.write_all(&packet);
-                    index = (index + 1).min(postures.len() - 1);
+                    if index + 1 < postures.len() {
+                        index += 1;
+                    } else if let Some(sent) = end.take() {
+                        let _ = sent.send(());
+                    }
                 }
                 due = Instant::now() + glove_format().packet_period();
             }

@@ -10,7 +10,7 @@ use super::ends::GloveRun;
 use super::window::Window;
 use crate::support::press::Press;
 use crate::support::x11::wait_for;
-use crate::x11::output_stalls::{arguments, lock_and_hold, release_and_press, wait_for_movement};
+use crate::x11::output_stalls::{arguments, lock_and_hold, play_and_settle, release_and_press};
 
 /// A run whose key G locks Control, and a window that receives its keys.
 struct Locking {
@@ -49,9 +49,7 @@ impl Locking {
     /// Releases and presses H without a pause, and checks that no press arrives.
     fn check_that_no_press_arrives(&self) {
         let (armed, before) = (self.run.program.count_lines("armed"), self.presses());
-        let movement = release_and_press(&self.h);
-        self.run.glove.play(&movement);
-        wait_for_movement(&movement);
+        play_and_settle(&self.run.glove, &release_and_press(&self.h));
         // A machine that delays the packets may let the hand be clear for long enough.
         let is_armed = self.run.program.count_lines("armed") > armed;
         assert!(
@@ -68,10 +66,8 @@ fn no_bare_key_follows_a_lock_that_the_compositor_has_not_executed() {
     let Some(locking) = Locking::start() else {
         return;
     };
-    let movement = lock_and_hold(&locking.h);
     locking.compositor.stop();
-    locking.run.glove.play(&movement);
-    wait_for_movement(&movement);
+    play_and_settle(&locking.run.glove, &lock_and_hold(&locking.h));
     locking.compositor.resume();
     locking.run.program.wait_for_line("dropped", 1);
     locking.check_that_no_press_arrives();

@@ -9,7 +9,7 @@ use super::ends::Typing;
 use super::wait_for_release;
 use crate::support::glove::Glove;
 use crate::support::key_log::KeyLog;
-use crate::support::press::{Press, glove_format};
+use crate::support::press::Press;
 use crate::support::program::Program;
 use crate::support::x11::{InputWindow, XServer};
 
@@ -44,9 +44,8 @@ impl Armed {
 
     /// Presses a key and waits until the watchdog has noticed that the program is silent.
     fn press_and_wait(&self) {
-        self.glove.play(&self.press.approach);
-        let approach = glove_format().packet_period() * self.press.approach.len() as u32;
-        sleep(approach + Duration::from_millis(600));
+        self.glove.play_to_end(&self.press.approach);
+        sleep(Duration::from_millis(600));
     }
 
     /// Kills the program when the server has executed all requests so far, and checks that no key is pressed.
@@ -117,8 +116,8 @@ fn presses_that_wait_for_a_server_that_hangs_are_not_sent_after_a_pause() {
     window.pressed_keys();
     server.freeze();
     let tap = [&run.press.approach[..], &run.press.lift].concat();
-    run.glove.play(&tap.repeat(PRESSES));
-    sleep(Duration::from_secs(4));
+    run.glove.play_to_end(&tap.repeat(PRESSES));
+    sleep(Duration::from_millis(500));
     run.program.signal(&["USR1"]);
     run.program.wait_for_line("paused by a signal", 1);
     server.thaw();
@@ -137,8 +136,8 @@ fn presses_that_a_server_accepts_too_late_are_dropped_and_reported_once() {
     let log = KeyLog::start(&server);
     server.freeze();
     let tap = [&run.press.approach[..], &run.press.lift].concat();
-    run.glove.play(&tap.repeat(PRESSES));
-    sleep(Duration::from_secs(4));
+    run.glove.play_to_end(&tap.repeat(PRESSES));
+    sleep(Duration::from_millis(500));
     let sent = log.len();
     server.thaw();
     run.program
