@@ -171,7 +171,9 @@ fn a_watching_client_receives_the_layout_and_then_views() {
 fn the_position_of_a_pointer_is_in_the_state_and_in_notifications() {
     let folder = tempfile::tempdir().unwrap();
     let socket = folder.path().join("c.sock");
-    let script = "point 200 0 -300; wait 3000; point 220 20 -280; wait 60000";
+    // The pointer still moves when a slow machine has subscribed.
+    let moves = "point 200 0 -300; wait 1000; point 220 20 -280; wait 1000; ".repeat(30);
+    let script = format!("{moves}wait 60000");
     let mut command = ademan(["run", "--layout", "direct", "--armed", "--output", "none"]);
     command
         .args(["--source", &format!("script:{script}"), "--control"])
