@@ -10,6 +10,9 @@ use ademan::session::view::{View, Viewer};
 use ademan::session::{Session, SessionHandle, SessionOptions};
 use ademan::setup::Setup;
 
+/// Longest wait on a busy machine.
+const TIMEOUT: Duration = Duration::from_secs(60);
+
 /// A source without readings, and the headsets that it waits for, if any.
 #[derive(Default)]
 struct SilentSource {
@@ -37,7 +40,7 @@ impl Source for SilentSource {
 
 /// Waits for a view of a session that is paused or not.
 fn shows_pause(viewer: &Viewer, is_paused: bool) -> bool {
-    let next = || viewer.views().recv_timeout(Duration::from_secs(10)).ok();
+    let next = || viewer.views().recv_timeout(TIMEOUT).ok();
     iter::from_fn(next).any(|view| view.state.paused_by.is_some() == is_paused)
 }
 
@@ -70,7 +73,7 @@ fn the_end_of_a_pause_is_shown_without_another_reading() {
 
 /// Waits for a view that says this of the headset.
 fn shows_headset(viewer: &Viewer, words: Option<&str>) -> bool {
-    let next = || viewer.views().recv_timeout(Duration::from_secs(10)).ok();
+    let next = || viewer.views().recv_timeout(TIMEOUT).ok();
     let shown = |view: &View| view.state.headset.as_ref().map(ToString::to_string);
     iter::from_fn(next).any(|view| shown(&view).as_deref() == words)
 }
