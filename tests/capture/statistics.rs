@@ -1,5 +1,8 @@
 //! Statistics of a session: received = accepted + rejected + dropped readings.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::Duration;
 
 use ademan::capture::{
@@ -18,11 +21,15 @@ struct FaultyTypist {
     hand: SimulatedTypist,
     readings: u64,
     is_live: bool,
+    is_over: Arc<AtomicBool>,
 }
 
 impl Source for FaultyTypist {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         let mut event = self.hand.next()?;
+        if event == SourceEvent::End {
+            self.is_over.store(true, Ordering::Relaxed);
+        }
         if let SourceEvent::Reading(Reading { sample, .. }) = &mut event {
             self.readings += 1;
             let ademan::capture::Sample::Channels(channels) = sample else {
@@ -57,6 +64,7 @@ fn faulty_typist(setup: &LoadedSetup, is_live: bool) -> FaultyTypist {
         hand: hand.expect("the text can be typed"),
         readings: 0,
         is_live,
+        is_over: Arc::default(),
     }
 }
 
@@ -67,14 +75,19 @@ fn received_and_sum(stats: &Stats) -> (u64, u64) {
     (stats.source.readings, sum)
 }
 
+/// Runs a session. A live source has ended before the session takes its second step.
 fn run(is_live: bool, stop_at: Option<u64>) -> Summary {
     let setup = Setup::default().load_files().expect("the default setup");
     let mut sink = output::open("none", &setup.required_capabilities()).expect("an output");
     let (sender, commands) = command_channel();
     let source = faulty_typist(&setup, is_live);
+    let is_over = source.is_over.clone();
     let mut steps = 0;
     let observe = &mut |_: &StepView| {
         steps += 1;
+        while is_live && !is_over.load(Ordering::Relaxed) {
+            thread::sleep(Duration::from_millis(1));
+        }
         if stop_at == Some(steps) {
             sender.send(Command::Stop).expect("the session runs");
         }
@@ -103,6 +116,7 @@ fn dropped_readings_of_a_fast_live_source_are_counted() {
     let stats = run(true, None).stats;
     let (received, sum) = received_and_sum(&stats);
     assert_eq!(received, sum);
+    assert!(stats.source.dropped > 0, "{stats:?}");
 }
 
 /// The observer blocks while a key is pressed, as if the program were stopped.
@@ -120,7 +134,7 @@ fn readings_from_before_a_stop_of_the_program_press_nothing_and_are_counted() {
             events_after.extend(step.events.iter().map(|event| event.kind));
         } else if step.events.iter().any(is_down) {
             has_blocked = true;
-            std::thread::sleep(Duration::from_millis(600));
+            thread::sleep(Duration::from_millis(600));
         }
     };
     let source = LiveSource(source);
