@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{PipeWriter, Write, pipe};
 use std::os::fd::OwnedFd;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use super::*;
@@ -12,7 +13,7 @@ use crate::capture::hc11::{BODY_BYTES, Framing, Hc11Format, encode};
 use crate::capture::stream::StreamSource;
 use crate::capture::{CaptureError, Readiness, Sample, SourceEvent};
 
-const TIMEOUT: Duration = Duration::from_secs(20);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Connector to a new pipe at each call, whose writing end it keeps. Reads block, as on any pipe, so that a read
 /// without bytes would end no test.
@@ -174,6 +175,9 @@ fn a_lost_device_is_reported_and_read_in_place_again_once_it_is_back() {
     assert_eq!(next(&mut capture), ["8(0)", "9(0)"]);
 }
 
+/// `true` once a source has closed that is slow to close.
+static IS_CLOSED: AtomicBool = AtomicBool::new(false);
+
 /// Source that always has something, and calls `step` for it.
 struct BusySource {
     step: fn(u64) -> Result<SourceEvent, CaptureError>,
@@ -199,7 +203,8 @@ impl Source for BusySource {
 impl Drop for BusySource {
     fn drop(&mut self) {
         if self.is_slow_to_close {
-            thread::sleep(Duration::from_secs(4));
+            thread::sleep(Duration::from_secs(60));
+            IS_CLOSED.store(true, Ordering::SeqCst);
         }
     }
 }
@@ -237,9 +242,8 @@ fn a_panic_of_the_source_is_a_failure() {
 #[test]
 fn a_port_that_blocks_while_closing_is_left_behind() {
     let capture = start_busy(|_| Ok(SourceEvent::Idle), true);
-    let start = Instant::now();
     drop(capture);
-    assert!(start.elapsed() < Duration::from_secs(3));
+    assert!(!IS_CLOSED.load(Ordering::SeqCst));
 }
 
 /// File that is never at its end and whose reads may block.

@@ -57,6 +57,7 @@ pub(in crate::capture) fn timespec(duration: Duration) -> Timespec {
 #[cfg(test)]
 mod tests {
     use std::io::{Write, pipe};
+    use std::sync::mpsc::channel;
     use std::thread::{sleep, spawn};
 
     use super::*;
@@ -67,14 +68,17 @@ mod tests {
         let (stream, mut writer) = pipe().unwrap();
         let readiness = Readiness::new(&stream).unwrap();
         let (handle, token) = cancel_token().unwrap();
+        let (end_first_wait, first_wait) = channel();
         let later = spawn(move || {
             sleep(Duration::from_millis(50));
             drop(handle);
+            first_wait.recv().unwrap();
             sleep(Duration::from_millis(50));
             writer.write_all(&[1]).unwrap();
             writer
         });
         assert!(!readiness.poll(Some(&token), None).unwrap());
+        end_first_wait.send(()).unwrap();
         assert!(readiness.poll(None, None).unwrap());
         drop(later.join().unwrap());
     }
