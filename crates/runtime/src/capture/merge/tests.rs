@@ -175,7 +175,8 @@ fn merge_parts(
 
 #[test]
 fn a_fast_source_waits_for_the_moment_that_a_late_source_shows() {
-    let delay = Duration::from_millis(500);
+    // A busy machine may start the thread of one source late.
+    let delay = Duration::from_secs(3);
     let mut merged = merge_parts(vec![Ok(7), Ok(8)], vec![Ok(100)], delay);
     let mut readings = Vec::new();
     while readings.len() < 3 {
@@ -190,7 +191,7 @@ fn a_fast_source_waits_for_the_moment_that_a_late_source_shows() {
     assert_eq!(parts, [HandPart::Arm, HandPart::Fingers, HandPart::Fingers]);
     // All arrived at the start, so that the fingers show a moment that is later by the delay.
     let between = readings[1].time.since(readings[0].time);
-    assert!(between > Duration::from_millis(300), "{between:?}");
+    assert!(between > Duration::from_secs(1), "{between:?}");
     assert!(readings[2].time > readings[1].time);
     assert!(
         readings
@@ -269,7 +270,7 @@ impl Source for Flood {
 impl Source for Steady {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         let received = self.received.load(Ordering::Relaxed);
-        if self.sent == STEADY_READINGS || self.started_at.elapsed() > Duration::from_secs(20) {
+        if self.sent == STEADY_READINGS || self.started_at.elapsed() > Duration::from_secs(60) {
             self.received.store(STEADY_READINGS, Ordering::Relaxed);
             return Ok(SourceEvent::End);
         }

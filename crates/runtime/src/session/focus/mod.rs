@@ -178,7 +178,7 @@ mod tests {
         let name = ProfileName::from("code").unwrap();
         let session = thread::spawn(move || {
             thread::sleep(2 * RETRY_DELAY);
-            let deadline = Instant::now() + Duration::from_secs(10);
+            let deadline = Instant::now() + Duration::from_secs(60);
             while Instant::now() < deadline {
                 if let Some(Message::Command(queued)) = receiver.try_next()
                     && queued.command == (Command::Profile { name })

@@ -232,7 +232,7 @@ mod tests {
         let watch = follow(monitor, move || _ = pressed.send(())).unwrap();
         assert_eq!(presses.try_recv(), Err(TryRecvError::Empty));
         drop(watch);
-        let ended = presses.recv_timeout(Duration::from_secs(10));
+        let ended = presses.recv_timeout(Duration::from_secs(60));
         assert_eq!(ended, Err(RecvTimeoutError::Disconnected));
     }
 }

@@ -7,7 +7,7 @@ use super::*;
 use crate::output::watchdog::WatchdogSettings;
 
 /// Longest wait for something that a busy machine does late.
-pub const TIMEOUT: Duration = Duration::from_secs(10);
+pub const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Returns a watchdog that replies to every heartbeat and releases nothing, and the number of its losses.
 fn watchdog() -> (WatchdogSettings, Arc<AtomicUsize>) {
