@@ -1,24 +1,12 @@
 //! The demo types into a terminal.
 
+use super::keymaps::check_demo;
 use crate::support::program::Program;
 use crate::support::x11::{TerminalWindow, XServer};
 
 /// Runs the demo with these arguments in front of a terminal and checks what is typed.
 fn assert_demo_types(text: &str, arguments: &[&str]) {
-    let Some(server) = XServer::start() else {
-        return;
-    };
-    let Some(terminal) = TerminalWindow::start(&server) else {
-        return;
-    };
-    let mut program = Program::start(
-        &server,
-        [&["demo", "--output", "desktop"], arguments].concat(),
-    );
-    let status = program.wait_for_exit();
-    assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
-    assert_eq!(server.pressed_keys(), [0; 0]);
-    assert_eq!(terminal.typed(text), text);
+    check_demo(XServer::start, arguments, text);
 }
 
 #[test]
