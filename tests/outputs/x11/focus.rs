@@ -139,6 +139,9 @@ fn held_keys_are_released_before_the_profile_of_another_application_and_a_choice
     let views = Views::start(control);
     hold(&server, &program, &run.glove, &run.press, &held_keys());
     assert!(wait_for(|| views.has_pressed_key()), "{:?}", views.all());
+    // The log is of a thread of its own, which may be late.
+    let is_logged = wait_for(|| log.pressed().len() == held_keys().len());
+    assert!(is_logged, "{:?}", log.events());
     let before = log.len();
 
     let (_first, _) = manager.open(&server, "Coder");

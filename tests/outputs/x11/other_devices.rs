@@ -1,5 +1,7 @@
 //! Corrections while somebody also types on another keyboard, or clicks with another mouse, in the same window.
 
+use std::time::Duration;
+
 use ademan::device::{EventKind, OutputEvent};
 use ademan::output::{Desktop, Sink};
 use x11rb::connection::{Connection, RequestConnection};
@@ -13,13 +15,16 @@ use x11rb::rust_connection::RustConnection;
 use super::bursts::{A, CONTROL, events, open, pressed, tap};
 use super::slow_display::SlowDisplay;
 use crate::support::key_log::{Input, KeyLog};
-use crate::support::x11::{InputWindow, XServer, wait_for};
+use crate::support::x11::{InputWindow, XServer, wait_at_most, wait_for};
 
 /// Keys of a PC keyboard.
 const BACKSPACE: Input = Input::Key(22);
 const B: Input = Input::Key(56);
 /// The left button of a mouse.
 const LEFT: Input = Input::Button(1);
+
+/// Attempts: a busy machine drops presses that wait for too long.
+const ATTEMPTS: usize = 10;
 
 /// The keyboard and the mouse of the server, which is none of the devices that XTEST adds.
 struct OtherDevices {
@@ -94,7 +99,19 @@ struct Scene {
 }
 
 impl Scene {
+    /// Types both keys. Returns `None` without an X server.
     fn start() -> Option<Self> {
+        for _ in 0..ATTEMPTS {
+            let scene = Self::attempt()?;
+            if scene.has_pressed(2) {
+                assert_eq!(pressed(&scene.log), [B, A]);
+                return Some(scene);
+            }
+        }
+        panic!("nothing is typed");
+    }
+
+    fn attempt() -> Option<Self> {
         let server = XServer::start()?;
         let window = InputWindow::open(&server);
         let (mut sink, log) = (open(server.display()), KeyLog::start(&server));
@@ -103,39 +120,41 @@ impl Scene {
         for key in [tap("B"), tap("A")] {
             sink.send(&key).expect("it is open");
         }
-        let scene = Self {
+        Some(Self {
             server,
             sink,
             log,
             generation,
             _window: window,
-        };
-        assert_eq!(scene.wait_for_presses(2), [B, A]);
-        Some(scene)
+        })
     }
 
-    /// Waits until this many keys and buttons were pressed, and returns them.
-    fn wait_for_presses(&self, count: usize) -> Vec<Input> {
-        assert!(wait_for(|| pressed(&self.log).len() >= count));
-        pressed(&self.log)
+    /// Waits until this many keys and buttons were pressed. Returns `false` if some were dropped.
+    fn has_pressed(&self, count: usize) -> bool {
+        wait_at_most(Duration::from_secs(5), || pressed(&self.log).len() >= count)
     }
 }
 
 /// Checks that an input of another device has a correction dropped and the decoder start afresh, and that the next correction is
 /// executed.
 fn check_that_a_correction_is_dropped_after(input: Input) {
-    let Some(mut scene) = Scene::start() else {
-        return;
-    };
-    OtherDevices::connect(&scene.server).tap(input);
-    scene.sink.send(&correction()).expect("it is open");
-    assert!(wait_for(|| scene.sink.dropped_presses() == 2));
-    assert_ne!(scene.sink.text_field().generation, scene.generation);
-    scene.sink.void_presses();
-    scene.sink.send(&tap("A")).expect("it is open");
-    scene.sink.send(&correction()).expect("it is open");
-    let last = [input, A, BACKSPACE, A];
-    assert_eq!(scene.wait_for_presses(6)[2..], last);
+    for _ in 0..ATTEMPTS {
+        let Some(mut scene) = Scene::start() else {
+            return;
+        };
+        OtherDevices::connect(&scene.server).tap(input);
+        scene.sink.send(&correction()).expect("it is open");
+        assert!(wait_for(|| scene.sink.dropped_presses() == 2));
+        assert_ne!(scene.sink.text_field().generation, scene.generation);
+        scene.sink.void_presses();
+        scene.sink.send(&tap("A")).expect("it is open");
+        scene.sink.send(&correction()).expect("it is open");
+        if scene.has_pressed(6) {
+            assert_eq!(pressed(&scene.log)[2..], [input, A, BACKSPACE, A]);
+            return;
+        }
+    }
+    panic!("the next correction is never executed");
 }
 
 #[test]
@@ -165,19 +184,25 @@ fn the_text_field_is_another_one_after_a_press_of_another_keyboard_without_a_cor
 
 #[test]
 fn the_keys_and_buttons_of_the_output_itself_drop_no_correction() {
-    let Some(mut scene) = Scene::start() else {
-        return;
-    };
-    for own in [tap("MouseLeft"), tap("ShiftLeft"), tap("B")] {
-        scene.sink.send(&own).expect("it is open");
+    for _ in 0..ATTEMPTS {
+        let Some(mut scene) = Scene::start() else {
+            return;
+        };
+        for own in [tap("MouseLeft"), tap("ShiftLeft"), tap("B")] {
+            scene.sink.send(&own).expect("it is open");
+        }
+        let scroll = events(&[EventKind::Scroll(0, 120)]);
+        scene.sink.send(&scroll).expect("it is open");
+        scene.sink.send(&correction()).expect("it is open");
+        if scene.has_pressed(8) {
+            let own = pressed(&scene.log);
+            assert_eq!(own[6..], [BACKSPACE, A], "{own:?}");
+            assert_eq!(scene.sink.dropped_presses(), 0);
+            assert_eq!(scene.sink.text_field().generation, scene.generation);
+            return;
+        }
     }
-    let scroll = events(&[EventKind::Scroll(0, 120)]);
-    scene.sink.send(&scroll).expect("it is open");
-    scene.sink.send(&correction()).expect("it is open");
-    let own = scene.wait_for_presses(8);
-    assert_eq!(own[6..], [BACKSPACE, A], "{own:?}");
-    assert_eq!(scene.sink.dropped_presses(), 0);
-    assert_eq!(scene.sink.text_field().generation, scene.generation);
+    panic!("the correction is never executed");
 }
 
 #[test]
