@@ -7,8 +7,9 @@ use ademan::document::shipped_layouts;
 
 use super::run;
 
-/// Attempts for a demo. A machine that is busy for a second stalls the session, which releases everything.
-const ATTEMPTS: usize = 3;
+/// Attempts for a demo. A machine that is busy for a second stalls the session, which releases everything; the demos of all layouts
+/// at once keep it busy.
+const ATTEMPTS: usize = 6;
 
 /// Plays the demo of a layout to its end and returns what it printed.
 fn play(layout: &str) -> String {
