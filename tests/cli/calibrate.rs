@@ -328,9 +328,11 @@ fn a_headset_measures_the_hand_the_table_and_the_place_of_a_board() {
 mod on_a_terminal {
     use super::*;
 
-    fn start(folder: &TempDir, arguments: &[&str]) -> Screen {
-        let mut command = ademan(["calibrate", "--demo", "--countdown", "0.5"]);
-        command.args(arguments).current_dir(folder.path());
+    fn start(folder: &TempDir, countdown: &str) -> Screen {
+        let mut command = ademan(["calibrate", "--demo", "--out", "mine"]);
+        command
+            .args(["--countdown", countdown])
+            .current_dir(folder.path());
         set_terminal(&mut command);
         Screen::start(&command, 80, 24)
     }
@@ -339,7 +341,7 @@ mod on_a_terminal {
     fn a_whole_session_shows_poses_pictures_and_sensors_and_asks_before_it_replaces_a_file() {
         let folder = folder();
         fs::write(folder.path().join("mine.ron"), "precious").expect("a file");
-        let mut screen = start(&folder, &["--out", "mine"]);
+        let mut screen = start(&folder, "0.5");
         let fist = screen.wait_for_text("fist: make a tight fist");
         println!("{fist}");
         for expected in [
@@ -378,7 +380,8 @@ mod on_a_terminal {
     #[test]
     fn a_pose_is_repeated_skipped_and_taken_back_and_the_session_quits() {
         let folder = folder();
-        let mut screen = start(&folder, &["--out", "mine"]);
+        // A key of a slow machine arrives during the pose that it is for.
+        let mut screen = start(&folder, "2");
         screen.wait_for_text("pose 3 of 13  ●●▶");
         screen.type_keys("s");
         screen.wait_for_text("pose 4 of 13  ●●–▶");
@@ -404,7 +407,7 @@ mod on_a_terminal {
     #[test]
     fn ctrl_c_restores_the_terminal_and_writes_nothing() {
         let folder = folder();
-        let mut screen = start(&folder, &["--out", "mine"]);
+        let mut screen = start(&folder, "0.5");
         screen.wait_for_text("pose 2 of 13");
         screen.type_keys("\x03");
         screen.wait();

@@ -154,9 +154,22 @@ impl Screen {
         self.text()
     }
 
-    /// Waits until the screen shows a text.
+    /// Waits until the screen shows a text, and returns all that it shows with it.
     pub fn wait_for_text(&self, text: &str) -> String {
-        self.wait_for(text, |screen| screen.text().contains(text))
+        self.wait_until(text, |shown| shown.contains(text))
+    }
+
+    /// Waits until what the screen shows satisfies a condition, and returns it. The screen may show something else right after.
+    pub fn wait_until(&self, what: &str, condition: impl Fn(&str) -> bool) -> String {
+        let start = Instant::now();
+        loop {
+            let shown = self.text();
+            if condition(&shown) {
+                return shown;
+            }
+            assert!(start.elapsed() < TIMEOUT, "no {what}:\n{shown}");
+            thread::sleep(Duration::from_millis(3));
+        }
     }
 
     /// Waits for the end of the program and, if the terminal is read, of what it wrote.
