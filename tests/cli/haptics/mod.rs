@@ -276,17 +276,16 @@ fn a_glove_that_never_reads_delays_no_key_and_no_end() {
 
 #[test]
 fn nothing_is_written_unless_it_is_asked_for() {
-    let run = Run::start(Glove::start(Carrier::Serial), &[]);
-    run.press();
-    run.lift();
-    let without = Run::with_setup(
-        Glove::start(Carrier::Serial),
-        "haptics: Force",
-        &["--haptics", "off"],
-    );
-    without.press();
-    without.lift();
-    assert!(without.glove.feedback.is_empty());
+    let cases: [(&str, &[&str]); 2] = [("", &[]), ("haptics: Force", &["--haptics", "off"])];
+    for (fields, arguments) in cases {
+        let fields = format!("stall_timeout_ms: 10000, {fields}");
+        let run = Run::with_setup(Glove::start(Carrier::Serial), &fields, arguments);
+        run.press();
+        run.lift();
+        // Time for a line that must not come.
+        thread::sleep(Duration::from_millis(300));
+        assert!(run.glove.feedback.is_empty(), "{arguments:?}");
+    }
 }
 
 #[test]

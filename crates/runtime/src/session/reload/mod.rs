@@ -148,8 +148,12 @@ mod tests {
     fn of_many_fast_saves_the_last_is_activated_and_few_others() {
         let (_directory, path) = layout_file();
         let session = session(&path, |_| Ok(()));
+        let (mut last_save, mut pauses) = (Instant::now(), 0);
         for save in 0..100 {
             fs::write(&path, text("B").replace("\"B\",", &format!("\"{save}\","))).unwrap();
+            // The machine has suspended this test for long enough that the file may have settled.
+            pauses += usize::from(last_save.elapsed() > Duration::from_millis(40));
+            last_save = Instant::now();
             thread::sleep(Duration::from_millis(8));
         }
         let mut activated = 0;
@@ -166,8 +170,7 @@ mod tests {
                 break;
             }
         }
-        // One, unless the machine suspends this test between two saves.
-        assert!(activated <= 10, "{activated}");
+        assert!(activated <= 10 + pauses, "{activated}, {pauses} pauses");
     }
 
     #[cfg(unix)]
