@@ -7,6 +7,7 @@ use std::process::Stdio;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
+use std::time::{Duration, Instant};
 
 use crate::support::binary::ademan;
 use crate::support::process::Process;
@@ -25,6 +26,24 @@ fn request(run: &Run, line: &str) -> Value {
     let mut client = Client::connect(&socket).expect("the session listens");
     let reply = client.request(line).expect("a reply");
     serde_json::from_str(&reply).expect("the reply is JSON")
+}
+
+/// Waits until the state of the session is as `is_so` says.
+fn wait_for_state(run: &Run, is_so: impl Fn(&Value) -> bool) {
+    let start = Instant::now();
+    loop {
+        let state = request(run, r#"{"command":"state"}"#);
+        if is_so(&state) {
+            return;
+        }
+        assert!(start.elapsed() < TIMEOUT, "{state}");
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Returns whether this many presses were suppressed in a state.
+fn has_suppressed(state: &Value, presses: u64) -> bool {
+    state["stats"]["suppressed"]["keys_by_role"] == presses
 }
 
 /// The next message that contains `text`.
@@ -50,9 +69,9 @@ fn a_source_on_the_network_presses_no_keys_and_the_message_explains_how_to_allow
          another sender follows"
     );
     run.wait_for_message(ARMED);
-    for _ in 0..3 {
+    for presses in 1..=3 {
         run.press();
-        thread::sleep(MOVE_TIME);
+        wait_for_state(&run, |state| has_suppressed(state, presses));
         run.lift();
         thread::sleep(MOVE_TIME);
     }
@@ -87,6 +106,7 @@ fn a_source_on_the_network_types_between_allow_keys_and_forbid_keys() {
     assert_eq!(reply("allow-keys")["ok"], true);
     // The hand has to be clear of every key first.
     thread::sleep(MOVE_TIME);
+    wait_for_state(&run, |state| state["state"] == "running");
     run.press();
     assert_eq!(run.next_event(), "down H");
     // The key is down: it comes up at once.
@@ -94,8 +114,9 @@ fn a_source_on_the_network_types_between_allow_keys_and_forbid_keys() {
     assert_eq!(run.next_event(), "up H");
     run.lift();
     thread::sleep(2 * MOVE_TIME);
+    wait_for_state(&run, |state| state["state"] == "running");
     run.press();
-    thread::sleep(MOVE_TIME);
+    wait_for_state(&run, |state| has_suppressed(state, 1));
     run.lift();
     thread::sleep(MOVE_TIME);
     let state = request(&run, r#"{"command":"state"}"#);
