@@ -16,6 +16,7 @@ use ademan::capture::protocol::osc;
 
 /// Prints the messages until `/end`.
 const OSC_RECEIVER: &str = r#"
+import socket
 from pythonosc import dispatcher, osc_server
 
 class Ended(Exception):
@@ -34,6 +35,12 @@ class Server(osc_server.BlockingOSCUDPServer):
         raise
 
 server = Server(("127.0.0.1", 0), known)
+# On a busy machine all messages may wait at once. SO_RCVBUFFORCE needs root, SO_RCVBUF has a limit.
+for option in [socket.SO_RCVBUF, 33]:
+    try:
+        server.socket.setsockopt(socket.SOL_SOCKET, option, 1 << 24)
+    except OSError:
+        pass
 print(server.server_address[1], flush=True)
 server.serve_forever()
 "#;
