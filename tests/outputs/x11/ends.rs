@@ -102,12 +102,16 @@ fn all_keys_are_released_at_the_end_of_the_stream() {
     };
     let log = KeyLog::start(&server);
     let (_folder, path) = file_that_ends_in_a_press();
-    let mut program = run(&server, &format!("file:{}", path.display()));
-    let status = program.wait_for_exit();
-    let are_logged = wait_for(|| log.presses_after(0) == 2);
-    assert!(are_logged, "{:#?}", program.stderr_lines());
-    assert_eq!(server.pressed_keys(), [0; 0]);
-    assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
+    // A busy machine may drop the presses; then the file is read again.
+    let is_pressed = (0..5).any(|_| {
+        let before = log.len();
+        let mut program = run(&server, &format!("file:{}", path.display()));
+        let status = program.wait_for_exit();
+        assert_eq!(server.pressed_keys(), [0; 0]);
+        assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
+        wait_at_most(Duration::from_secs(5), || log.presses_after(before) == 2)
+    });
+    assert!(is_pressed, "{:?}", log.events());
 }
 
 #[test]
