@@ -74,7 +74,26 @@ impl Default for TextSetup {
     }
 }
 
-impl std::str::FromStr for TextSetup {
+/// A mode of the text decoder in an argument, with the language if it names one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TextChoice {
+    mode: TextModeSetup,
+    language: Option<String>,
+}
+
+impl TextChoice {
+    /// Returns a setup with this mode, and with this language if the argument names one. The rest is as in `before`.
+    pub fn applied_to(&self, before: Option<TextSetup>) -> TextSetup {
+        let before = before.unwrap_or_default();
+        TextSetup {
+            mode: self.mode,
+            language: self.language.clone().unwrap_or(before.language),
+            ..before
+        }
+    }
+}
+
+impl std::str::FromStr for TextChoice {
     type Err = String;
 
     /// Parses `MODE` or `MODE:LANGUAGE`.
@@ -86,13 +105,37 @@ impl std::str::FromStr for TextSetup {
         let mode: TextMode = mode.parse().map_err(|error: UnknownName| {
             format!("{error}; write `literal`, `suggest` or `auto`, and `:es` for another language")
         })?;
-        let default = Self::default();
-        let language = language.map_or(default.language, str::to_owned);
-        Language::check_name(&language)?;
+        language.map_or(Ok(()), Language::check_name)?;
         Ok(Self {
             mode: mode.into(),
-            language,
-            ..default
+            language: language.map(str::to_owned),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mode_without_a_language_keeps_the_language_and_the_rest_of_a_setup() {
+        let before = TextSetup {
+            language: "es".into(),
+            accents: false,
+            learned: Some("me.ron".into()),
+            ..TextSetup::default()
+        };
+        let applied = |argument: &str| {
+            let choice: TextChoice = argument.parse().unwrap();
+            choice.applied_to(Some(before.clone()))
+        };
+        let expected = TextSetup {
+            mode: TextModeSetup::Auto,
+            ..before.clone()
+        };
+        assert_eq!(applied("auto"), expected);
+        assert_eq!(applied("suggest:en").language, "en");
+        let alone: TextChoice = "auto".parse().unwrap();
+        assert_eq!(alone.applied_to(None).language, "en");
     }
 }

@@ -7,7 +7,7 @@ use ademan::files;
 use ademan::message::escape;
 use ademan::pipeline::SourceRole;
 use ademan::setup::{OWN_SETUP, ReplaySettings, Setup};
-use ademan::text::TextSetup;
+use ademan::text::TextChoice;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
@@ -42,9 +42,9 @@ pub struct SetupArgs {
     #[arg(long)]
     trust: bool,
     /// Correct words at their end (auto), only suggest, or neither until `ademan ctl text` says so (literal): `auto`, `auto:es`, or
-    /// `auto:MODEL.adm`
+    /// `auto:MODEL.adm`. Without a language, the setup names it, or it is English
     #[arg(long, value_name = "MODE[:LANGUAGE]")]
-    decoder: Option<TextSetup>,
+    decoder: Option<TextChoice>,
     /// File of what the decoder has learned of you: where you tap, and your words. It is read at the start, if it is there, and
     /// written by `ademan ctl save-learned`
     #[arg(long, value_name = "FILE")]
@@ -138,12 +138,12 @@ impl SetupArgs {
         Ok(setup)
     }
 
-    /// Applies the flags of the text decoder. What was learned belongs to the person, whatever the decoder.
+    /// Applies the flags of the text decoder.
     fn override_text(&self, setup: &mut Setup) {
-        let before = setup.text.take();
-        let learned = before.as_ref().and_then(|text| text.learned.clone());
-        setup.text = self.decoder.clone().or(before);
-        if let Some(learned) = self.learned.clone().or(learned) {
+        if let Some(decoder) = &self.decoder {
+            setup.text = Some(decoder.applied_to(setup.text.take()));
+        }
+        if let Some(learned) = self.learned.clone() {
             setup.text.get_or_insert_default().learned = Some(learned);
         }
     }

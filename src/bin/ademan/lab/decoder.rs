@@ -7,7 +7,7 @@ use ademan::command::TextMode;
 use ademan::layout::Layout;
 use ademan::pipeline::PressFilter;
 use ademan::readings::{Decoding, Lexicon};
-use ademan::text::{Language, TextSetup};
+use ademan::text::{Language, TextChoice, TextSetup};
 
 use super::outputs;
 use crate::failure::Failure;
@@ -26,10 +26,10 @@ impl std::str::FromStr for DecoderArg {
         if text == OFF {
             return Ok(Self(None));
         }
-        let setup = text
+        let choice: TextChoice = text
             .parse()
             .map_err(|error| format!("{error}, or `{OFF}` for no decoder"))?;
-        Ok(Self(Some((text.to_owned(), setup))))
+        Ok(Self(Some((text.to_owned(), choice.applied_to(None)))))
     }
 }
 
