@@ -2,7 +2,7 @@
 
 use std::net::{SocketAddr, UdpSocket};
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use ademan::capture::protocol::{InvalidPacket, opentrack};
 use ademan::capture::{CaptureEvent, Reading, Sample, Source, SourceEvent, open, spawn};

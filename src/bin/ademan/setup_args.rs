@@ -42,7 +42,7 @@ pub struct SetupArgs {
     #[arg(long)]
     trust: bool,
     /// Correct words at their end (auto), only suggest, or neither until `ademan ctl text` says so (literal): `auto`, `auto:es`, or
-    /// `auto:MODEL.adm`. Without a language, the setup names it, or it is English
+    /// `auto:MODEL.adm`. The default language is the language of the setup, or English
     #[arg(long, value_name = "MODE[:LANGUAGE]")]
     decoder: Option<TextChoice>,
     /// File of what the decoder has learned of you: where you tap, and your words. It is read at the start, if it is there, and
