@@ -55,6 +55,8 @@ pub(crate) struct LayoutRequest {
     pub operation: LayoutOperation,
     /// Index of the active profile.
     pub profile: usize,
+    /// The number of layouts that the loop had replaced by then.
+    pub replaced: usize,
     /// Channel for the reply; `None` for a command of the layout itself.
     pub reply: Option<ReplySender>,
 }
@@ -85,6 +87,7 @@ pub struct LayoutLink {
     /// The simulated hands of the session.
     hands: LayoutFeed,
     active_profile: Arc<AtomicUsize>,
+    replaced: Arc<AtomicUsize>,
 }
 
 impl LayoutLink {
@@ -94,6 +97,7 @@ impl LayoutLink {
         let (swaps, swap_receiver) = bounded(1);
         let (end, ended) = bounded(0);
         let active_profile = Arc::new(AtomicUsize::new(0));
+        let replaced = Arc::new(AtomicUsize::new(0));
         let manager_end = Self {
             requests,
             trials,
@@ -102,12 +106,14 @@ impl LayoutLink {
             waker,
             hands: LayoutFeed::default(),
             active_profile: Arc::clone(&active_profile),
+            replaced: Arc::clone(&replaced),
         };
         let loop_end = LoopLayoutLink {
             requests: request_sender,
             trial: LayoutTrial::new(trial_sender),
             swaps: swap_receiver,
             active_profile,
+            replaced,
             _end: end,
         };
         (manager_end, loop_end)
@@ -127,6 +133,12 @@ impl LayoutLink {
     /// Returns the channel of layouts to try. It is not disconnected before the channel of requests.
     pub(super) fn trials(&self) -> &Receiver<TrialRequest> {
         &self.trials
+    }
+
+    /// Returns `true` if the loop has replaced a layout since it made the request: board poses of the request may be those of
+    /// another layout.
+    pub(super) fn is_outdated(&self, request: &LayoutRequest) -> bool {
+        request.replaced != self.replaced.load(Ordering::Relaxed)
     }
 
     /// Activates a layout, waits until the loop uses it, and frees the old one. Simulated hands lift first and follow.
@@ -209,6 +221,7 @@ pub(super) struct LoopLayoutLink {
     trial: LayoutTrial,
     swaps: Receiver<LayoutSwap>,
     active_profile: Arc<AtomicUsize>,
+    replaced: Arc<AtomicUsize>,
     _end: Sender<()>,
 }
 
@@ -223,6 +236,17 @@ impl LoopLayoutLink {
     /// Stores the index of the active profile: hands do not follow a change of another profile.
     pub fn set_active_profile(&self, profile: usize) {
         self.active_profile.store(profile, Ordering::Relaxed);
+    }
+
+    /// Counts a layout that was replaced by one with other board poses. The channel that receives the old layout orders this before
+    /// the next request that the manager handles.
+    pub fn count_replaced(&self) {
+        self.replaced.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Returns the number of layouts that were replaced.
+    pub fn replaced(&self) -> usize {
+        self.replaced.load(Ordering::Relaxed)
     }
 
     /// Returns the sending end for layouts to try.

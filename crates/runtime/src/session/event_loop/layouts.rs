@@ -95,6 +95,7 @@ impl SessionLoop<'_> {
         link.forward(LayoutRequest {
             operation,
             profile: self.pipeline.active_profile(),
+            replaced: link.replaced(),
             reply,
         })
     }
@@ -129,6 +130,9 @@ impl SessionLoop<'_> {
         self.send_events()?;
         self.publish(None, false, None);
         self.update_target_names();
+        if let Some(link) = self.commands.layouts().filter(|_| !keep_board_poses) {
+            link.count_replaced();
+        }
         let _ = retired.try_send(layout);
         Ok(())
     }

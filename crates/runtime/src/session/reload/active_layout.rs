@@ -292,6 +292,22 @@ mod tests {
     }
 
     #[test]
+    fn poses_of_an_earlier_layout_are_not_saved() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.ron");
+        fs::write(&path, TEXT).unwrap();
+        let session = session(Some(&path));
+        session.count_replaced();
+        let error = session.request_after(0, save_at(0.1)).unwrap_err();
+        assert!(
+            error.starts_with("not saved, as a layout was replaced"),
+            "{error}"
+        );
+        assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
+        assert!(session.request(save_at(0.1)).is_ok());
+    }
+
+    #[test]
     fn a_file_that_was_changed_or_is_read_only_is_not_overwritten() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("a.ron");

@@ -91,6 +91,11 @@ impl TestLoop {
         !self.commands.layouts().unwrap().swaps().is_empty()
     }
 
+    /// Counts a layout that was replaced, as the session loop does.
+    pub fn count_replaced(&self) {
+        self.commands.layouts().unwrap().count_replaced();
+    }
+
     /// Tries a text and waits for the outcome.
     pub fn try_text(&self, text: &str) -> Result<(), String> {
         let trial = self.commands.layouts().unwrap().trial();
@@ -108,10 +113,21 @@ impl TestLoop {
 
     /// Sends a request and waits for the outcome.
     pub fn request(&self, operation: LayoutOperation) -> Result<String, String> {
+        let replaced = self.commands.layouts().unwrap().replaced();
+        self.request_after(replaced, operation)
+    }
+
+    /// Sends a request that was made when this number of layouts had been replaced, and waits for the outcome.
+    pub fn request_after(
+        &self,
+        replaced: usize,
+        operation: LayoutOperation,
+    ) -> Result<String, String> {
         let (reply, replies) = bounded(1);
         let request = LayoutRequest {
             operation,
             profile: 0,
+            replaced,
             reply: Some(reply),
         };
         self.commands.layouts().unwrap().forward(request).unwrap();

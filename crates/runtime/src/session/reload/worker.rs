@@ -25,6 +25,9 @@ const POLL_PERIOD: Duration = Duration::from_millis(50);
 /// The reason why nothing is saved without a file.
 const NO_LEARNED_FILE: &str = "not saved, as the run has no file for it: start it with `--learned FILE`, or set `learned` of `text` in the setup";
 
+/// The reason why board poses of an earlier layout are not written.
+const OUTDATED_POSES: &str = "not saved, as a layout was replaced before the board poses were written; `save` again to write the present ones";
+
 /// The way in which changes of a layout file are detected.
 pub(super) enum ChangeDetection {
     /// The layout has no file, or the file is not watched.
@@ -263,10 +266,12 @@ where
     }
 
     fn handle(&mut self, request: LayoutRequest) -> Result<(), SessionEnded> {
+        let is_outdated = self.link.is_outdated(&request);
         let LayoutRequest {
             operation,
             profile,
             reply,
+            ..
         } = request;
         let outcome = match operation {
             LayoutOperation::Reload => self.reload()?,
@@ -274,6 +279,7 @@ where
                 let layout = &mut self.layouts[profile].layout;
                 layout.scale(factor, &self.build, &self.link)?
             }
+            LayoutOperation::Save(_) if is_outdated => Err(OUTDATED_POSES.to_owned()),
             LayoutOperation::Save(poses) => self.layouts[profile].layout.save(&poses),
             LayoutOperation::SaveLearned(learned) => match &mut self.learned {
                 Some(file) => file.save(&learned),
