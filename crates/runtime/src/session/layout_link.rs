@@ -57,8 +57,10 @@ pub(crate) struct LayoutRequest {
     pub profile: usize,
     /// The number of layouts that the loop had replaced by then.
     pub replaced: usize,
-    /// Channel for the reply; `None` for a command of the layout itself.
+    /// Channel for the reply; `None` for a command of the layout itself, whose outcome is reported.
     pub reply: Option<ReplySender>,
+    /// Disconnected once the request is handled, for a loop that waits.
+    pub done: Option<Sender<()>>,
 }
 
 /// A layout that is ready to replace another one.

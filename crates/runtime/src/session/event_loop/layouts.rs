@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{bounded, select};
+use crossbeam_channel::{Sender, bounded, select};
 
 use super::wait::{HEARTBEAT_PERIOD, MAX_SILENCE};
 use super::{Next, SessionLoop};
@@ -27,7 +27,7 @@ impl SessionLoop<'_> {
             _ if command == Command::Stop => Ok(Next::End),
             Some(operation) if self.capture.is_live() => {
                 // The layout manager reports the outcome.
-                let _ = self.forward(operation, None);
+                let _ = self.forward(operation, None, None);
                 Ok(Next::Continue)
             }
             Some(operation) => {
@@ -38,25 +38,25 @@ impl SessionLoop<'_> {
         }
     }
 
-    /// Waits for the layout manager, so that a replay gives the same events at any speed. After [`MAX_SILENCE`] the output, or
-    /// its watchdog, releases what is pressed, as if the loop hung.
+    /// Waits for the layout manager, which reports the outcome, so that a replay gives the same events at any speed. After
+    /// [`MAX_SILENCE`] the output, or its watchdog, releases what is pressed, as if the loop hung. `Stop` ends the wait.
     fn run_layout_operation(&mut self, operation: LayoutOperation) -> Result<(), SessionError> {
         let Some(link) = self.commands.layouts() else {
             return Ok(());
         };
-        let (reply, replies) = bounded(1);
-        if self.forward(operation, Some(reply)).is_err() {
+        let (done, handled) = bounded(0);
+        if self.forward(operation, None, Some(done)).is_err() {
             return Ok(());
         }
         let swaps = link.swaps().clone();
         let start = Instant::now();
-        while start.elapsed() < LAYOUT_TIMEOUT {
+        while !self.commands.is_stopped() && start.elapsed() < LAYOUT_TIMEOUT {
             select! {
                 recv(swaps) -> swap => match swap {
                     Ok(swap) => self.swap_layout(swap)?,
                     Err(_) => return Ok(()),
                 },
-                recv(replies) -> _ => return Ok(()),
+                recv(handled) -> _ => return Ok(()),
                 default(HEARTBEAT_PERIOD) => {
                     if start.elapsed() < MAX_SILENCE {
                         self.keep_output_alive()?;
@@ -67,11 +67,12 @@ impl SessionLoop<'_> {
         Ok(())
     }
 
-    /// Hands an operation to the layout manager.
+    /// Hands an operation to the layout manager, which disconnects `done` once it is handled.
     pub(super) fn forward(
         &self,
         operation: LayoutOperation,
         reply: Option<ReplySender>,
+        done: Option<Sender<()>>,
     ) -> Result<(), RequestError> {
         let link = self.commands.layouts().ok_or_else(|| {
             RequestError::Layout("this session cannot change its layouts".to_owned())
@@ -97,6 +98,7 @@ impl SessionLoop<'_> {
             profile: self.pipeline.active_profile(),
             replaced: link.replaced(),
             reply,
+            done,
         })
     }
 
@@ -148,9 +150,8 @@ pub(super) mod tests {
     use super::*;
     use crate::capture::{CaptureError, Source, SourceEvent, SourceStats};
     use crate::output::{OutputError, Sink};
-    use crate::session::command_channel::CommandReceiver;
+    use crate::session::command_channel::{CommandReceiver, command_channel};
     use crate::session::event_loop::capture::Capture;
-    use crate::session::reply::Reply;
     use crate::setup::Setup;
     use ademan_core::device::OutputEvent;
     use ademan_core::pipeline::Pipeline;
@@ -204,7 +205,7 @@ pub(super) mod tests {
             while seen.load(Ordering::Relaxed) < 3 && start.elapsed() < LAYOUT_TIMEOUT / 2 {
                 thread::yield_now();
             }
-            let _ = request.reply.unwrap().send(Ok(Reply::Done));
+            drop(request);
             seen.load(Ordering::Relaxed)
         });
         let mut pipeline = Setup::default().load_files().unwrap().pipeline();
@@ -216,5 +217,27 @@ pub(super) mod tests {
             .run_layout_operation(LayoutOperation::Reload)
             .unwrap();
         assert!(slow_manager.join().unwrap() >= 3);
+    }
+
+    #[test]
+    fn a_replay_that_is_stopped_does_not_wait_for_the_layout_manager() {
+        let (sender, mut commands) = command_channel();
+        let manager = commands.link_layouts();
+        sender.send(Command::Stop).unwrap();
+        let mut pipeline = Setup::default().load_files().unwrap().pipeline();
+        let calls = Arc::new(AtomicU64::new(0));
+        let mut sink = CountingSink(Arc::clone(&calls));
+        let observer = &mut |_: &StepView, _: Instant, _: &Pipeline| {};
+        let capture = Capture::start(EmptyRecording).unwrap();
+        let mut session = SessionLoop::new(capture, &commands, &mut pipeline, &mut sink, observer);
+        session
+            .run_layout_operation(LayoutOperation::Reload)
+            .unwrap();
+        assert_eq!(manager.requests().len(), 1, "nothing handles the request");
+        assert_eq!(
+            calls.load(Ordering::Relaxed),
+            0,
+            "a loop that waits calls its output"
+        );
     }
 }

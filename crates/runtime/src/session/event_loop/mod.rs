@@ -303,7 +303,7 @@ impl SessionLoop<'_> {
             Command::Stop => return Ok(Next::End),
             Command::State => Ok(Reply::State(self.status())),
             _ => match LayoutOperation::from_command(&command) {
-                Some(operation) => match self.forward(operation, reply.clone()) {
+                Some(operation) => match self.forward(operation, reply.clone(), None) {
                     Ok(()) => return Ok(Next::Continue),
                     Err(error) => Err(error),
                 },

@@ -292,6 +292,25 @@ mod tests {
     }
 
     #[test]
+    fn the_outcome_of_an_operation_of_the_layout_is_reported_once() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.ron");
+        fs::write(&path, TEXT).unwrap();
+        let session = session(Some(&path));
+        for operation in [LayoutOperation::Scale(2.0), LayoutOperation::Reload] {
+            session.run_of_layout(operation);
+        }
+        let reports: Vec<_> = session.reports.try_iter().collect();
+        assert!(
+            matches!(
+                reports.as_slice(),
+                [LayoutReport::Command(Ok(text)), LayoutReport::Activated(_)] if text == "scaled by 2"
+            ),
+            "{reports:?}"
+        );
+    }
+
+    #[test]
     fn poses_of_an_earlier_layout_are_not_saved() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("a.ron");

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, bounded, unbounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, bounded, unbounded};
 
 use super::{FilePolicy, LayoutReport, LayoutSource, start};
 use crate::session::command_channel::CommandReceiver;
@@ -111,6 +111,22 @@ impl TestLoop {
         panic!("no outcome");
     }
 
+    /// Sends an operation as a layout does, and waits until it is handled.
+    pub fn run_of_layout(&self, operation: LayoutOperation) {
+        let (done, handled) = bounded(0);
+        let link = self.commands.layouts().unwrap();
+        let request = LayoutRequest {
+            operation,
+            profile: 0,
+            replaced: link.replaced(),
+            reply: None,
+            done: Some(done),
+        };
+        link.forward(request).unwrap();
+        let ended = handled.recv_timeout(TIMEOUT);
+        assert_eq!(ended, Err(RecvTimeoutError::Disconnected));
+    }
+
     /// Sends a request and waits for the outcome.
     pub fn request(&self, operation: LayoutOperation) -> Result<String, String> {
         let replaced = self.commands.layouts().unwrap().replaced();
@@ -129,6 +145,7 @@ impl TestLoop {
             profile: 0,
             replaced,
             reply: Some(reply),
+            done: None,
         };
         self.commands.layouts().unwrap().forward(request).unwrap();
         match replies.recv_timeout(TIMEOUT).unwrap() {

@@ -271,8 +271,12 @@ where
             operation,
             profile,
             reply,
+            done,
             ..
         } = request;
+        // Each file that is read again has its own report.
+        let is_reported = operation == LayoutOperation::Reload
+            && self.layouts.iter().any(|managed| managed.layout.has_file());
         let outcome = match operation {
             LayoutOperation::Reload => self.reload()?,
             LayoutOperation::Scale(factor) => {
@@ -287,12 +291,14 @@ where
             },
         };
         match reply {
+            None if is_reported => {}
             None => (self.report)(LayoutReport::Command(outcome)),
             Some(reply) => {
                 // The client may have gone away.
                 let _ = reply.try_send(outcome.map(Reply::Text).map_err(RequestError::Layout));
             }
         }
+        drop(done);
         Ok(())
     }
 
