@@ -471,14 +471,14 @@ fn start_layout_manager(
     let hands = setup.layout_feed.clone();
     let (setup, has_sink) = (Arc::clone(setup), options.output.is_some());
     let required = setup.required_capabilities();
-    let build = move |layout: &Layout| {
+    let build = move |profile, layout: &Layout| {
         if !has_sink {
             let needed = setup.capabilities_of(layout);
             output::check_layout_change(&setup.setup.output, &required, &needed)
                 .map_err(|reason| format!("{}: not used, as {reason}", escape(&layout.file)))?;
         }
         setup
-            .layout_instance(layout)
+            .profile_instance(profile, layout)
             .map_err(|error| error.to_string())
     };
     let notices = notices.sender();

@@ -363,13 +363,29 @@ impl LoadedSetup {
         is_file.then_some(document.file.as_str())
     }
 
-    /// Returns the run-time instance of a layout of this setup, or of its replacement.
+    /// Returns the run-time instance of the layout of this setup, or of its replacement.
     ///
     /// # Errors
     /// Fails as [`check_layout`](Self::check_layout) does.
     pub fn layout_instance(&self, layout: &Layout) -> Result<LayoutInstance, SetupError> {
+        self.profile_instance(0, layout)
+    }
+
+    /// Returns the run-time instance of a layout in place of the layout of a profile, by index in the order of
+    /// [`layouts`](Self::layouts).
+    ///
+    /// # Errors
+    /// Fails as [`check_layout`](Self::check_layout) does.
+    pub fn profile_instance(
+        &self,
+        profile: usize,
+        layout: &Layout,
+    ) -> Result<LayoutInstance, SetupError> {
         self.check_layout(layout)?;
-        Ok(self.instance(layout, None))
+        let further = profile
+            .checked_sub(1)
+            .and_then(|index| self.profiles.get(index));
+        Ok(self.instance(layout, further.and_then(|other| other.text)))
     }
 
     /// Returns a pipeline without readings.

@@ -123,6 +123,7 @@ pub(super) fn refuse_model(path: &Path) -> Result<Vec<u8>, String> {
 mod tests {
     use super::*;
     use crate::setup::Setup;
+    use ademan_core::pipeline::PressFilter;
 
     #[test]
     fn the_file_of_a_model_is_in_the_folder_of_the_setup() {
@@ -139,6 +140,28 @@ mod tests {
             let found = setup.text.unwrap().language;
             assert_eq!(Path::new(&found), expected);
         }
+    }
+
+    #[test]
+    fn a_layout_in_place_of_one_without_letters_has_the_mode_of_its_profile() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("setup.ron");
+        let text = "Setup(layout: \"qwerty-flat\", text: (mode: Auto), profiles: [\
+                    (name: \"a\", layout: \"numpad\", text: Suggest), (name: \"b\", layout: \"numpad\")])";
+        std::fs::write(&path, text).unwrap();
+        let loaded = Setup::load(path.to_str().unwrap())
+            .unwrap()
+            .load_files()
+            .unwrap();
+        let mode = |profile| {
+            let instance = loaded.profile_instance(profile, &loaded.layout).unwrap();
+            let state = instance.filter().and_then(PressFilter::text_state);
+            state.map(|state| state.mode)
+        };
+        assert_eq!(
+            [0, 1, 2].map(mode),
+            [TextMode::Auto, TextMode::Suggest, TextMode::Auto].map(Some)
+        );
     }
 
     #[cfg(target_os = "linux")]

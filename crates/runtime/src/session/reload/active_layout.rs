@@ -15,8 +15,9 @@ use ademan_core::pipeline::{CommandError, LayoutInstance};
 
 const SHIPPED: &str = "the layout comes with the program or a recording and has no file; create one with `ademan layout new`";
 
-/// A function that builds a layout for the session loop, or returns the reason why the session cannot use it.
-pub(super) type Build<'a> = &'a dyn Fn(&Layout) -> Result<LayoutInstance, String>;
+/// A function that builds a layout for the session loop, in place of the layout of a profile by index, or returns the reason why the
+/// session cannot use it.
+pub(super) type Build<'a> = &'a dyn Fn(usize, &Layout) -> Result<LayoutInstance, String>;
 
 /// One layout of the setup as the session loop uses it, and its file.
 pub(super) struct ActiveLayout {
@@ -85,7 +86,7 @@ impl ActiveLayout {
             }
             Ok(layout) => layout,
         };
-        match build(&layout) {
+        match build(self.profile, &layout) {
             Err(reason) => {
                 self.set_refused();
                 return Ok(LayoutReport::Rejected(reason));
@@ -140,7 +141,7 @@ impl ActiveLayout {
         };
         // The next trial finds it under the name that the session gives it.
         layout.file.clone_from(&self.layout.file);
-        match build(&layout) {
+        match build(self.profile, &layout) {
             Err(reason) => return Ok(Err(reason)),
             Ok(instance) => link.activate_text_of(&name, instance, self.profile)?,
         }
@@ -166,7 +167,7 @@ impl ActiveLayout {
             Err(error) => return Ok(Err(format!("{error}\nthe size of the boards stays"))),
             Ok(layout) => layout,
         };
-        match build(&layout) {
+        match build(self.profile, &layout) {
             Err(reason) => return Ok(Err(reason)),
             Ok(instance) => link.activate(instance, self.profile, true)?,
         }

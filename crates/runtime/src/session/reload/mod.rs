@@ -72,8 +72,8 @@ pub struct FilePolicy {
 /// layouts on request, until the session loop at the other end of `link` ends.
 ///
 /// `layouts` has one layout for each profile of the setup, in order; `learned` is the file of what the text decoder has learned.
-/// `build` makes a layout ready for the loop, or refuses it. `report` receives the outcome of every change, in order. A file that
-/// was saved is active at most 0.2 s later, or 0.7 s if simulated hands have to lift first. Saves in quick succession count as one;
+/// `build` makes a layout ready for the loop, in place of the layout of a profile by index, or refuses it. `report` receives the
+/// outcome of every change, in order. A file that was saved is active at most 0.2 s later, or 0.7 s if simulated hands have to lift first. Saves in quick succession count as one;
 /// while they continue for longer than 2 s, the saves of each 2 s count as one. Two saves in one tick of the file system's clock,
 /// 2 s on FAT, look like one if their lengths are equal.
 pub fn start(
@@ -81,7 +81,7 @@ pub fn start(
     learned: Option<LearnedFile>,
     link: LayoutLink,
     policy: FilePolicy,
-    build: impl Fn(&Layout) -> Result<LayoutInstance, String> + Send + 'static,
+    build: impl Fn(usize, &Layout) -> Result<LayoutInstance, String> + Send + 'static,
     report: impl FnMut(LayoutReport) + Send + 'static,
 ) -> io::Result<()> {
     let managed = layouts.into_iter().enumerate().map(|(profile, source)| {

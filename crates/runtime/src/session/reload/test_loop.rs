@@ -67,7 +67,7 @@ impl TestLoop {
             is_recorded: false,
         };
         let build =
-            move |built: &Layout| accept(built).map(|()| LayoutInstance::from_layout(built));
+            move |_, built: &Layout| accept(built).map(|()| LayoutInstance::from_layout(built));
         let report = move |report| sender.send(report).unwrap();
         start(
             [source],

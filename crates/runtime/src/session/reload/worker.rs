@@ -136,7 +136,7 @@ enum Input {
 
 impl<B, R> Worker<B, R>
 where
-    B: Fn(&Layout) -> Result<LayoutInstance, String>,
+    B: Fn(usize, &Layout) -> Result<LayoutInstance, String>,
     R: FnMut(LayoutReport),
 {
     /// Runs until the session ends.
@@ -224,14 +224,14 @@ where
         found: Result<Layout, DocumentError>,
     ) -> Result<Result<String, String>, SessionEnded> {
         let is_recorded = self.is_recorded;
-        let build = |layout: &Layout| {
+        let build = |profile: usize, layout: &Layout| {
             if is_recorded {
                 Err(format!(
                     "{}: not used, as a recording holds one version of a layout; start again to use it",
                     escape(&layout.file)
                 ))
             } else {
-                (self.build)(layout)
+                (self.build)(profile, layout)
             }
         };
         let report = self.layouts[index]
@@ -342,7 +342,7 @@ mod tests {
         link: LayoutLink,
         sender: Sender<LayoutReport>,
     ) -> Worker<
-        impl Fn(&Layout) -> Result<LayoutInstance, String> + use<>,
+        impl Fn(usize, &Layout) -> Result<LayoutInstance, String> + use<>,
         impl FnMut(LayoutReport) + use<>,
     > {
         let layout = Layout::parse(active, path).unwrap();
@@ -355,7 +355,7 @@ mod tests {
             link,
             learned: None,
             is_recorded: false,
-            build: |layout: &Layout| Ok(LayoutInstance::from_layout(layout)),
+            build: |_, layout: &Layout| Ok(LayoutInstance::from_layout(layout)),
             report: move |report| sender.send(report).unwrap(),
         }
     }
