@@ -31,11 +31,20 @@ pub struct Bus {
 impl Bus {
     /// Starts a bus. Returns `None` with a message if the daemon is not installed.
     pub fn start() -> Option<Self> {
+        Self::start_with_names(&["*"])
+    }
+
+    /// As [`start`](Self::start), but programs may own only these names.
+    pub fn start_with_names(names: &[&str]) -> Option<Self> {
         let folder = tempfile::tempdir().expect("a folder");
         let socket = folder.path().join("bus");
+        let owned: String = names
+            .iter()
+            .map(|name| format!("<allow own=\"{name}\"/>"))
+            .collect();
         let configuration = format!(
             "<busconfig><type>session</type><listen>unix:path={}</listen><auth>EXTERNAL</auth>\
-             <policy context=\"default\"><allow user=\"*\"/><allow send_destination=\"*\" eavesdrop=\"true\"/><allow eavesdrop=\"true\"/><allow own=\"*\"/></policy></busconfig>",
+             <policy context=\"default\"><allow user=\"*\"/><allow send_destination=\"*\" eavesdrop=\"true\"/><allow eavesdrop=\"true\"/>{owned}</policy></busconfig>",
             socket.display()
         );
         let file = folder.path().join("bus.conf");

@@ -222,6 +222,25 @@ fn a_pause_a_loss_and_their_ends_are_shown_in_one_notification() {
 }
 
 #[test]
+fn notifications_are_shown_without_the_icon_that_the_bus_refuses() {
+    let names = [
+        "org.kde.StatusNotifierWatcher",
+        "org.freedesktop.Notifications",
+    ];
+    let Some(bus) = Bus::start_with_names(&names) else {
+        return;
+    };
+    let Some(desktop) = Desktop::start(&bus) else {
+        return;
+    };
+    let run = Run::start(&bus.address());
+    run.program.wait_for_line("no icon in the tray: ", 1);
+    request(&run.prepared.control, r#"{"command":"pause"}"#);
+    desktop.wait_for("summary", |line| line["summary"] == "Ademán is paused");
+    run.end();
+}
+
+#[test]
 fn a_desktop_that_hangs_and_a_bus_that_ends_do_not_disturb_the_run() {
     let Some(mut bus) = Bus::start() else {
         return;

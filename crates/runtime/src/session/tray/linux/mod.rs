@@ -59,16 +59,18 @@ fn run(
     let connection = Builder::session()
         .and_then(|builder| builder.method_timeout(TIMEOUT).build())
         .map_err(|error| format!("neither tray nor notifications: the session bus of the desktop cannot be reached: {error}"))?;
-    let failed = |error: zbus::Error| format!("no icon in the tray: {error}");
     let notification = ShownId::default();
-    let watchers = watcher_changes(&connection, notification.clone()).map_err(failed)?;
-    let mut icon = None;
-    if settings.has_icon {
-        let shown = Icon::publish(&connection, settings.profiles, commands).map_err(failed)?;
-        if !shown.register() {
-            report(NO_TRAY.into());
-        }
-        icon = Some(shown);
+    let watchers = watcher_changes(&connection, notification.clone())
+        .map_err(|error| format!("neither tray nor notifications: {error}"))?;
+    let icon = if settings.has_icon {
+        let published = publish_icon(&connection, settings.profiles, commands, report);
+        // Notifications need no icon.
+        published.map_err(report).ok()
+    } else {
+        None
+    };
+    if icon.is_none() && !settings.notifies {
+        return Ok(());
     }
     let mut notifications = settings
         .notifies
@@ -104,6 +106,21 @@ fn run(
             report(reason);
         }
     }
+}
+
+/// Creates the icon and asks the tray to show it.
+fn publish_icon(
+    connection: &Connection,
+    profiles: Vec<String>,
+    commands: CommandSender,
+    report: &impl Fn(String),
+) -> Result<Icon, String> {
+    let icon = Icon::publish(connection, profiles, commands)
+        .map_err(|error| format!("no icon in the tray: {error}"))?;
+    if !icon.register() {
+        report(NO_TRAY.into());
+    }
+    Ok(icon)
 }
 
 /// Returns a channel with a message for each program that begins to show the icons of trays; disconnected when the bus ends. A
