@@ -20,7 +20,7 @@ use ademan_core::hand::Side;
 use ademan_core::pipeline::Pipeline;
 use ademan_core::snapshot::StepView;
 
-/// The feedback to all gloves of a session. Dropping it frees all fingers, and waits 0.2 s for that at most.
+/// The feedback to all gloves of a session. Dropping it frees all fingers, and waits for each glove 0.2 s at most.
 pub(super) struct SessionHaptics {
     hands: ArrayVec<(HandFeedback, FeedbackThread), { Side::COUNT }>,
 }
@@ -49,6 +49,20 @@ impl SessionHaptics {
     pub fn is_empty(&self) -> bool {
         self.hands.is_empty()
     }
+
+    /// Frees all fingers without waiting for that.
+    fn release(&mut self) {
+        for (_, thread) in &mut self.hands {
+            thread.release();
+        }
+    }
+}
+
+impl Drop for SessionHaptics {
+    fn drop(&mut self) {
+        // The drop of each thread waits: no glove may be held until another one has answered.
+        self.release();
+    }
 }
 
 impl Observer for SessionHaptics {
@@ -58,5 +72,89 @@ impl Observer for SessionHaptics {
                 thread.send(hand.state());
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+    use std::time::Duration;
+
+    use crossbeam_channel::{Receiver, Sender, bounded, unbounded};
+
+    use super::thread::FeedbackState;
+    use super::*;
+    use crate::capture::feedback::{FeedbackDevice, FeedbackFormat};
+    use ademan_core::hand::Finger;
+
+    /// Longest wait for something that a busy machine does late.
+    const TIMEOUT: Duration = Duration::from_secs(60);
+
+    /// Messages of one byte: 1 if a finger is held.
+    static FORMAT: FeedbackFormat = FeedbackFormat {
+        curl: |_, _| None,
+        encode: |feedback, bytes| {
+            let forces = feedback.forces.unwrap_or_default();
+            bytes.push(u8::from(forces.iter().any(|force| *force > 0.0)));
+        },
+    };
+
+    /// A glove that does not read until the other end of the channel is dropped.
+    struct Deaf(Receiver<()>);
+
+    impl Write for Deaf {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let _ = self.0.recv();
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    /// A glove that passes on what it reads.
+    struct Listening(Sender<Vec<u8>>);
+
+    impl Write for Listening {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let _ = self.0.send(bytes.to_vec());
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn hand(side: Side, writer: impl Write + Send + 'static) -> (HandFeedback, FeedbackThread) {
+        let device = FeedbackDevice::new(&FORMAT);
+        device.connect(Some(Box::new(writer)));
+        (
+            HandFeedback::new(side, Haptics::Force, &FORMAT),
+            FeedbackThread::start(Haptics::Force, device).unwrap(),
+        )
+    }
+
+    #[test]
+    fn a_glove_is_freed_while_the_other_one_does_not_read() {
+        let (hear, deaf) = bounded(0);
+        let (sender, messages) = unbounded();
+        let hands = [
+            hand(Side::Right, Deaf(deaf)),
+            hand(Side::Left, Listening(sender)),
+        ];
+        let mut haptics = SessionHaptics {
+            hands: hands.into(),
+        };
+        let next = || messages.recv_timeout(TIMEOUT).unwrap();
+        assert_eq!(next(), [0]);
+        let mut held = FeedbackState::default();
+        held.forces[Finger::Ring.index()] = 1.0;
+        haptics.hands[1].1.send(held);
+        assert_eq!(next(), [1]);
+        haptics.release();
+        assert_eq!(next(), [0]);
+        drop(hear);
     }
 }

@@ -66,7 +66,7 @@ impl FeedbackState {
 
 /// The thread of a glove. Dropping it frees all fingers, and waits for that for at most 0.2 s.
 pub(super) struct FeedbackThread {
-    /// `None` while it is dropped.
+    /// `None` once all fingers are freed for the last time.
     states: Option<LatestSender<FeedbackState>>,
     /// Disconnected when the thread has ended.
     ended: Receiver<()>,
@@ -96,11 +96,16 @@ impl FeedbackThread {
             states.send(state);
         }
     }
+
+    /// Frees all fingers without waiting for that, and ends the thread.
+    pub fn release(&mut self) {
+        self.states = None;
+    }
 }
 
 impl Drop for FeedbackThread {
     fn drop(&mut self) {
-        self.states = None;
+        self.release();
         let _ = self.ended.recv_timeout(END_TIMEOUT);
     }
 }
