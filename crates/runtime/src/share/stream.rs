@@ -70,9 +70,12 @@ pub(super) fn read(stream: &mut dyn Read, buffer: &mut [u8]) -> Input {
     }
 }
 
-/// Returns `true` if a stream without data failed with this kind of error.
+/// Returns `true` if a stream without data failed with this kind of error, which differs with the system if a read has a time limit.
 pub(super) fn is_temporary(kind: ErrorKind) -> bool {
-    matches!(kind, ErrorKind::WouldBlock | ErrorKind::Interrupted)
+    matches!(
+        kind,
+        ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
+    )
 }
 
 #[cfg(test)]
@@ -93,5 +96,24 @@ mod tests {
         assert_eq!(counts, [vec![4, 4, 2], vec![4, 4, 2], vec![4, 1]]);
         let mut round = RoundInput::new(&mut flood, 10);
         assert!(matches!(read(&mut round, &mut [0; 4]), Input::Bytes(0)));
+    }
+
+    #[test]
+    fn a_client_that_sends_nothing_for_a_time_is_not_lost() {
+        struct Failing(ErrorKind);
+
+        impl Read for Failing {
+            fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+                Err(self.0.into())
+            }
+        }
+
+        let is_kept = |kind| {
+            let input = read(&mut Failing(kind), &mut [0; 4]);
+            matches!(input, Input::Nothing)
+        };
+        assert!(is_kept(ErrorKind::WouldBlock));
+        assert!(is_kept(ErrorKind::TimedOut));
+        assert!(!is_kept(ErrorKind::ConnectionReset));
     }
 }
