@@ -38,19 +38,43 @@ impl Admission {
             self.address.to_string(),
             format!("localhost:{}", self.address.port()),
         ];
-        if !header("Host").is_some_and(|host| hosts.iter().any(|own| own == host)) {
+        let is_own = |host: &str| {
+            let mut names = hosts.iter();
+            names.any(|own| own == host || without_default_port(own) == Some(host))
+        };
+        if !header("Host").is_some_and(is_own) {
             return Err(format!(
                 "its request does not name {} as its host",
                 hosts[0]
             ));
         }
         match header("Origin") {
-            Some(origin) if !self.origins.iter().any(|admitted| admitted == origin) => Err(
-                format!("it is the page {}; {}", escape(origin), self.remedy),
-            ),
+            Some(origin) if !self.admits(origin) => Err(format!(
+                "it is the page {}; {}",
+                escape(origin),
+                self.remedy
+            )),
             _ => Ok(()),
         }
     }
+
+    fn admits(&self, origin: &str) -> bool {
+        let mut admitted = self.origins.iter();
+        admitted.any(|page| as_browsers_write(page) == as_browsers_write(origin))
+    }
+}
+
+/// Returns a host without its port if that is one of the ports of the web, which browsers leave out; otherwise `None`.
+fn without_default_port(host: &str) -> Option<&str> {
+    host.strip_suffix(":80")
+        .or_else(|| host.strip_suffix(":443"))
+}
+
+/// Returns an origin without the default port of its scheme.
+fn as_browsers_write(origin: &str) -> &str {
+    let is_secure = origin.starts_with("https://");
+    let port = if is_secure { ":443" } else { ":80" };
+    origin.strip_suffix(port).unwrap_or(origin)
 }
 
 /// Returns `true` if a request target is a path, without another server in it: a proxy sends `http://HOST/ws`.
@@ -88,6 +112,41 @@ mod tests {
         ] {
             let reason = check(target).unwrap_err();
             assert!(reason.contains("not for a path"), "{target}: {reason}");
+        }
+    }
+
+    /// Returns `true` if the own page of a server at this address is admitted with these headers.
+    fn admits_own_page(address: &str, scheme: &str, host: &str, origin: &str) -> bool {
+        let admission = Admission {
+            address: address.parse().unwrap(),
+            origins: vec![format!("{scheme}://{address}")],
+            remedy: "",
+        };
+        let request = Request::builder().uri("/ws").header("Host", host);
+        let request = request.header("Origin", origin).body(()).unwrap();
+        admission.check(&request).is_ok()
+    }
+
+    #[test]
+    fn browsers_leave_out_the_default_port_of_the_own_page() {
+        let (http, https) = ("127.0.0.1:80", "[::1]:443");
+        assert!(admits_own_page(
+            http,
+            "http",
+            "127.0.0.1",
+            "http://127.0.0.1"
+        ));
+        assert!(admits_own_page(http, "http", http, "http://127.0.0.1:80"));
+        assert!(admits_own_page(https, "https", "[::1]", "https://[::1]"));
+        for (address, host, origin) in [
+            ("127.0.0.1:8080", "127.0.0.1", "http://127.0.0.1:8080"),
+            ("127.0.0.1:8080", "127.0.0.1:8080", "http://127.0.0.1"),
+            (http, "127.0.0.1", "https://127.0.0.1"),
+            (http, "127.0.0.1", "http://127.0.0.1:443"),
+            (http, "evil", "http://127.0.0.1"),
+        ] {
+            let is_admitted = admits_own_page(address, "http", host, origin);
+            assert!(!is_admitted, "{address}, {host}, {origin}");
         }
     }
 }
