@@ -26,7 +26,8 @@ export function prepareScore(text) {
 function start() {
   clearScore();
   worker = new Worker("scoring.js", { type: "module" });
-  worker.addEventListener("message", ({ data }) => receive(data));
+  // A message of a worker that was ended may still wait.
+  worker.addEventListener("message", ({ data, target }) => target === worker && receive(data));
   worker.addEventListener("error", (event) => end(`the score cannot be computed: ${event.message}`));
   worker.postMessage({ people: PEOPLE, layout: layoutText() });
   element("score-start").textContent = "Stop";

@@ -30,6 +30,17 @@ const WATCH: &str = r##"(() => {
   requestAnimationFrame(frame);
 })()"##;
 
+/// Keeps the workers that start from now on.
+const KEEP_WORKERS: &str = r##"(() => {
+  globalThis.workers = [];
+  globalThis.Worker = class extends Worker {
+    constructor(...args) {
+      super(...args);
+      workers.push(this);
+    }
+  };
+})()"##;
+
 #[test]
 fn people_score_a_layout_beside_the_page_and_the_plan_shows_missed_keys() {
     let Some(folder) = folder() else { return };
@@ -40,6 +51,7 @@ fn people_score_a_layout_beside_the_page_and_the_plan_shows_missed_keys() {
     open(&mut browser, &address);
     browser.evaluate("document.getElementById('score').open = true");
     browser.evaluate(WATCH);
+    browser.evaluate(KEEP_WORKERS);
     browser.evaluate("document.getElementById('score-start').click()");
     let first = browser.wait_for(LOOK, "the first person has typed", |look| {
         look["heated"].as_u64() > Some(5)
@@ -91,4 +103,9 @@ fn people_score_a_layout_beside_the_page_and_the_plan_shows_missed_keys() {
         (&refused["heated"], &refused["is_running"]),
         (&json!(0), &json!(false))
     );
+
+    // A message of a worker that was ended may still wait.
+    browser
+        .evaluate("workers[0].dispatchEvent(new MessageEvent('message', {data: {error: 'late'}}))");
+    assert_eq!(browser.evaluate(LOOK)["text"], refused["text"]);
 }
