@@ -120,7 +120,7 @@ impl Drop for Server {
         self.shared.is_stopped.store(true, Ordering::Release);
         self.shared.clients.disconnect_all();
         // Ends the wait for a connection. If it fails, the thread waits for the next one.
-        let _ = TcpStream::connect(self.shared.admission.address);
+        let _ = TcpStream::connect_timeout(&self.shared.admission.address, POLL_INTERVAL);
     }
 }
 

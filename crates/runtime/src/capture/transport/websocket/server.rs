@@ -90,7 +90,7 @@ impl Drop for Server {
         self.shared.is_stopped.store(true, Ordering::Release);
         self.shared.clients.disconnect_all();
         // Ends the wait for a connection. If it fails, the thread waits for the next one.
-        let _ = TcpStream::connect(self.address());
+        let _ = TcpStream::connect_timeout(&self.address(), POLL_INTERVAL);
     }
 }
 
