@@ -162,3 +162,30 @@ fn marks_outside_the_image_are_refused_with_their_place() {
     let expected = "wand.jsonl:2: camera `left` has a mark at 908.5, 300, outside its image of 640 × 360 pixels";
     assert!(ended.err.contains(expected), "{}", ended.err);
 }
+
+#[cfg(unix)]
+#[test]
+fn no_part_of_the_cameras_is_left_on_a_full_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    // The limit of the size of files stands for a full disk: the names alone are longer.
+    let mut cameras = room();
+    for camera in &mut cameras {
+        camera.name.push_str(&"x".repeat(400));
+    }
+    let wand = file(&folder, "wand.jsonl", wand_lines(&cameras).join("\n"));
+    let path = folder.path().join("cameras.ron");
+    let ended = crate::lab::run_with_small_files(&[
+        "cameras",
+        "calibrate",
+        &wand,
+        "--wand",
+        "500",
+        "--size",
+        "1280x720",
+        "--output",
+        text(&path),
+    ]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert!(ended.err.contains("cannot create"), "{}", ended.err);
+    assert!(!path.exists());
+}

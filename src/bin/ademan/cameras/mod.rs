@@ -168,9 +168,7 @@ fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
         ))
     })?;
     let text = CamerasFile::new(&calibration.cameras).to_text(format);
-    let file =
-        files::create_new(&args.output).and_then(|mut file| Ok(file.write_all(text.as_bytes())?));
-    file.map_err(|error| {
+    files::write_new_text(&args.output, &text).map_err(|error| {
         Failure::wrong_use(format!(
             "cannot create {}: {error}",
             escape_path(&args.output)
@@ -344,10 +342,18 @@ fn read_points(path: &Path) -> Result<BTreeMap<String, DVec3>, Failure> {
         let reason = error.to_string();
         Failure::wrong_use(format!("{}: {}", escape_path(path), escape_line(&reason)))
     })?;
-    let places = points
+    let places: BTreeMap<_, _> = points
         .into_iter()
-        .map(|(label, place)| (label, DVec3::from(place)));
-    Ok(places.collect())
+        .map(|(label, place)| (label, DVec3::from(place)))
+        .collect();
+    match places.iter().find(|(_, place)| !place.is_finite()) {
+        Some((label, _)) => Err(Failure::wrong_use(format!(
+            "{}: the place of `{}` is not three numbers; state its distances from the origin in metres",
+            escape_path(path),
+            escape(label)
+        ))),
+        None => Ok(places),
+    }
 }
 
 fn read_text(path: &Path) -> Result<String, Failure> {
@@ -396,5 +402,20 @@ mod tests {
         std::fs::write(&path, before + "é").unwrap();
         let error = read_text(&path).unwrap_err().to_string();
         assert!(error.ends_with("it is longer than 1 MiB"), "{error}");
+    }
+
+    #[test]
+    fn a_point_whose_place_is_not_a_number_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.ron");
+        for number in ["NaN", "inf", "-inf"] {
+            let text = format!("{{\"a\": (0.0, 1.0, 2.0), \"b\": (0.0, {number}, 2.0)}}");
+            std::fs::write(&path, text).unwrap();
+            let error = read_points(&path).unwrap_err().to_string();
+            assert!(
+                error.contains("points.ron: the place of `b` is not three numbers"),
+                "{error}"
+            );
+        }
     }
 }
