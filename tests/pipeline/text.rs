@@ -132,6 +132,16 @@ fn a_candidate_replaces_the_typed_word_and_adds_a_space() {
     assert_eq!(typed.text, "world of");
 }
 
+#[test]
+fn a_candidate_that_no_word_has_is_refused() {
+    let mut pipeline = CheckedPipeline::new(&setup(Some(TextModeSetup::Suggest)));
+    let candidate = Command::Candidate { number: 1 };
+    assert_eq!(
+        pipeline.execute(&candidate, CommandOrigin::Client, &mut Events::new()),
+        Err(CommandError::NoCandidate(1))
+    );
+}
+
 /// Performs a script on a board with keys for candidates, in the mode `suggest`.
 fn performs(script: &str) -> String {
     let setup = Setup {

@@ -42,6 +42,11 @@ pub enum CommandError {
         "the active layout has no text decoder; start the run with `--decoder literal` or `--decoder auto`, and a layout with letters"
     )]
     NoTextDecoder,
+    /// No word is typed that has this many candidates.
+    #[error(
+        "there is no candidate {0}: a word has candidates while it is typed, unless the text mode is `literal`"
+    )]
+    NoCandidate(u8),
     /// A layout wants to change what its sources may cause.
     #[error(
         "a layout cannot allow or forbid keys; the person at the computer does: `ademan ctl allow-keys`"

@@ -67,7 +67,7 @@ impl Pipeline {
             Command::UndoZero => self.undo_zero(events)?,
             Command::UndoLearning => self.undo_learning(events)?,
             Command::Text { mode } => self.text_filter()?.set_mode(mode),
-            Command::Candidate { number } => self.text_filter()?.choose(number),
+            Command::Candidate { number } => self.choose(number, origin)?,
             Command::ForgetLearned => self.forget_learned()?,
             Command::AllowKeys | Command::ForbidKeys if origin == CommandOrigin::Layout => {
                 return Err(CommandError::Permission);

@@ -1,6 +1,7 @@
 //! The text decoders of the layouts.
 
 use super::{CommandError, Pipeline, PressFilter, TextState};
+use crate::command::CommandOrigin;
 
 impl Pipeline {
     /// Returns what displays show of the text decoder of the active layout, if it has one.
@@ -12,6 +13,20 @@ impl Pipeline {
     pub(super) fn text_filter(&mut self) -> Result<&mut (dyn PressFilter + 'static), CommandError> {
         let layout = &mut self.profiles[self.active_profile].layout;
         layout.filter_mut().ok_or(CommandError::NoTextDecoder)
+    }
+
+    /// Takes a candidate in place of the word that is typed. Fails if displays show none with this number, except for a layout, whose key
+    /// may come in the step in which the word changes.
+    pub(super) fn choose(&mut self, number: u8, origin: CommandOrigin) -> Result<(), CommandError> {
+        let filter = self.text_filter()?;
+        let shown = filter
+            .text_state()
+            .map_or(0, |state| state.candidates.len());
+        if origin != CommandOrigin::Layout && usize::from(number) > shown {
+            return Err(CommandError::NoCandidate(number));
+        }
+        filter.choose(number);
+        Ok(())
     }
 
     /// Iterates over the text decoders of the other layouts.
