@@ -42,7 +42,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
         on_notice: Some(end_when_incomplete()),
         ..SessionOptions::default()
     };
+    let rate_hz = recording_size::readings_per_second(&setup);
     let session = session::start(setup, options)?;
-    recording_size::announce(&session, &args.file);
+    recording_size::announce(&session, &args.file, rate_hz);
     stats::report(session.join()?)
 }

@@ -147,6 +147,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         }
     }
     let checked = setup.clone();
+    let rate_hz = recording_size::readings_per_second(&setup);
     let session = session::start(setup, options)?;
     if let Some(volume) = args.sound {
         sound::start(&session, volume)?;
@@ -158,7 +159,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     // The system prefers this thread for the delivery of signals. The view does not inherit its priority.
     priority::raise_thread_priority();
     if let Some(path) = &record_to {
-        recording_size::announce(&session, path);
+        recording_size::announce(&session, path, rate_hz);
     }
     let ended = session.join();
     drop(view);
