@@ -140,7 +140,8 @@ fn a_movement_joins_its_postures_and_no_bone_shrinks_on_the_way() {
     let end = file(&folder, "end.jsonl", &squats[12]);
     let movement = folder.path().join("movement.jsonl");
     let made = ["arm", "between", &start, &end, "--ms", "500", "--output"];
-    run(made.into_iter().chain([text(&movement)])).done();
+    let written = run(made.into_iter().chain([text(&movement)])).done();
+    assert_eq!(written.err, format!("wrote {}\n", movement.display()));
     let poses = lines(&std::fs::read_to_string(&movement).unwrap());
     assert_eq!(poses.len(), 31);
     let ends = [&squats[0], &squats[12]].map(|line| serde_json::from_str::<Value>(line).unwrap());

@@ -160,7 +160,8 @@ fn bones_and_properties_follow_a_shared_hand_and_are_baked() {
         folder.path().join("addon.py"),
         folder.path().join("table.json"),
     );
-    run(["bridge", "blender", "--output", text(&addon)]).done();
+    let written = run(["bridge", "blender", "--output", text(&addon)]).done();
+    assert_eq!(written.err, format!("wrote {}\n", addon.display()));
     let channels = angle_channels();
     assert_eq!(channels.len(), 24);
     fs::write(&table_path, table(&channels).to_string()).expect("a file");

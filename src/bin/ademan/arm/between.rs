@@ -118,7 +118,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.form == Form::Strip {
         let text = strip::draw(&postures, |way| pose_at(&postures, way));
         out.write_all(text?.as_bytes())?;
-        return Ok(out.flush()?);
+        out.flush()?;
+        args.output.announce();
+        return Ok(());
     }
     let count = (args.ms * 1e-3 * args.rate_hz).round().max(1.0) as u64;
     let segments = postures.len() - 1;
@@ -134,7 +136,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         };
         writeln!(out, "{line}")?;
     }
-    Ok(out.flush()?)
+    out.flush()?;
+    args.output.announce();
+    Ok(())
 }
 
 /// Returns the pose on the way through postures: `1.5` is half the way from the second to the third.

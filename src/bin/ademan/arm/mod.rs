@@ -62,6 +62,13 @@ impl OutputArgs {
             None => Ok(Box::new(BufWriter::new(io::stdout().lock()))),
         }
     }
+
+    /// Says that the file is written. Says nothing of the standard output.
+    pub fn announce(&self) {
+        if let Some(path) = &self.output {
+            say!("wrote {}", escape_path(path));
+        }
+    }
 }
 
 /// A file whose errors name it.

@@ -51,7 +51,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let mut out = args.output.open()?;
     out.write_all(text.as_bytes())?;
-    Ok(out.flush()?)
+    out.flush()?;
+    args.output.announce();
+    Ok(())
 }
 
 /// Returns the add-on as one file.
