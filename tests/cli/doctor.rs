@@ -90,16 +90,42 @@ fn a_display_and_a_running_session_are_detected() {
     assert!(text.contains(&process), "{text}");
 }
 
+/// Writes a setup with a profile for an application.
+#[cfg(target_os = "linux")]
+fn setup_with_rule(folder: &Path) -> PathBuf {
+    let setup = folder.join("setup.ron");
+    let text = "Setup(\n    profiles: [(name: \"sofa\", layout: \"arrows\")],\n    \
+                profiles_by_application: [(application: \"coder\", profile: \"sofa\")],\n)\n";
+    fs::write(&setup, text).unwrap();
+    setup
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_display_no_output_is_advised_to_follow_the_focus() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = ademan(["doctor", "--json"]);
+    command.arg(setup_with_rule(folder.path()));
+    for variable in ["DISPLAY", "WAYLAND_DISPLAY"] {
+        command.env_remove(variable);
+    }
+    let ended: Ended = command.output().expect("the program starts").into();
+    let found = checks(&ended);
+    let reason = check(&found, "focus")["text"].as_str().expect("a text");
+    assert!(reason.starts_with("DISPLAY is not set"), "{reason}");
+    assert!(
+        reason.contains("`ademan ctl profile`") && !reason.contains("uinput"),
+        "{reason}"
+    );
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_desktop_that_hangs_is_a_finding_and_does_not_hang_the_doctor() {
     let stopped = TcpListener::bind(("127.0.0.1", 0)).expect("a free port");
     let port = stopped.local_addr().expect("it is bound").port();
     let folder = tempfile::tempdir().unwrap();
-    let setup = folder.path().join("setup.ron");
-    let text = "Setup(\n    profiles: [(name: \"sofa\", layout: \"arrows\")],\n    \
-                profiles_by_application: [(application: \"coder\", profile: \"sofa\")],\n)\n";
-    fs::write(&setup, text).unwrap();
+    let setup = setup_with_rule(folder.path());
     let mut command = ademan(["doctor", "--json"]);
     // The display 0 of a machine has the port 6000.
     let display = format!("127.0.0.1:{}", port.checked_sub(6000).expect("a high port"));

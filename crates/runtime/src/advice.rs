@@ -164,13 +164,24 @@ pub fn serial_port_denied(port: &str, denied: &AccessDenied) -> Advice {
 
 /// Returns the advice for a missing X server; `display` is the value of `DISPLAY`.
 pub fn no_display(display: Option<&str>) -> Advice {
-    let next_step = "start this from a graphical session, or use the output `uinput`";
+    Advice::new(
+        display_fault(display),
+        "start this from a graphical session, or use the output `uinput`",
+    )
+}
+
+/// Returns the advice for a missing X server that would tell which application has the focus; `display` is the value of `DISPLAY`.
+pub fn no_focus(display: Option<&str>) -> Advice {
+    Advice::new(
+        display_fault(display),
+        "start this from the graphical session whose focus is followed, or activate profiles with keys or `ademan ctl profile`",
+    )
+}
+
+fn display_fault(display: Option<&str>) -> String {
     match display {
-        Some(display) => Advice::new(
-            format!("no X server answers at `{}`", escape(display)),
-            next_step,
-        ),
-        None => Advice::new("DISPLAY is not set", next_step),
+        Some(display) => format!("no X server answers at `{}`", escape(display)),
+        None => "DISPLAY is not set".into(),
     }
 }
 

@@ -31,7 +31,7 @@ impl XServer {
     pub fn connect() -> Result<Self, String> {
         let (connection, screen) = x11rb::connect(None).map_err(|_| {
             let display = env::var("DISPLAY").ok();
-            advice::no_display(display.as_deref()).to_string()
+            advice::no_focus(display.as_deref()).to_string()
         })?;
         let root = connection.setup().roots[screen].root;
         let server = Self {
