@@ -126,7 +126,10 @@ impl SetupArgs {
             }
             (None, None) => Setup::default(),
         };
+        setup.role = role_beside(self.source.as_ref(), setup.source.as_ref(), setup.role);
         setup.source = self.source.clone().or(setup.source);
+        let own_arm = setup.arm_source.as_ref();
+        setup.arm_role = role_beside(self.arm_source.as_ref(), own_arm, setup.arm_role);
         setup.arm_source = self.arm_source.clone().or(setup.arm_source);
         setup.glove = self.glove.clone().or(setup.glove);
         setup.person = self.person.clone().or(setup.person);
@@ -173,6 +176,19 @@ impl SetupArgs {
     }
 }
 
+/// Returns the role of a setup if the source that is named takes the place of `own`, the source of the setup. A role that lets that one
+/// press keys is not for another one on the network, where other programs may send readings too.
+fn role_beside(
+    named: Option<&SourceUri>,
+    own: Option<&SourceUri>,
+    role: Option<SourceRole>,
+) -> Option<SourceRole> {
+    let is_other = named.is_some_and(|named| {
+        named.is_remote() && own.is_some_and(|own| own.to_string() != named.to_string())
+    });
+    role.filter(|role| !is_other || *role == SourceRole::Pointer)
+}
+
 fn role() -> impl TypedValueParser<Value = SourceRole> {
     PossibleValuesParser::new(SourceRole::ALL.map(SourceRole::name)).map(|name| {
         let role = SourceRole::ALL.into_iter().find(|role| role.name() == name);
@@ -195,4 +211,36 @@ pub fn number_in(text: &str, min: f64, max: f64, unit: &str) -> Result<f64, Stri
         String::new()
     };
     Err(format!("it is {min} to {max} {unit}{advice}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_role_that_lets_a_source_press_keys_is_not_for_another_one_on_the_network() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("setup.ron");
+        let role_of = |fields: &str, source: &str| {
+            std::fs::write(&path, format!("Setup({fields})")).unwrap();
+            let flags = SetupArgs {
+                source: Some(source.parse().unwrap()),
+                ..SetupArgs::default()
+            };
+            flags.read_setup(path.to_str()).unwrap().role
+        };
+        let (glove, other) = ("tcp:192.168.1.7:4001", "tcp:192.168.1.8:4001");
+        let own = |role: &str| format!("source: \"{glove}\", role: {role}");
+        let both = Some(SourceRole::Both);
+        assert_eq!(role_of(&own("Both"), other), None);
+        assert_eq!(role_of(&own("Keys"), other), None);
+        assert_eq!(
+            role_of(&own("Pointer"), other),
+            Some(SourceRole::Pointer),
+            "it presses no keys"
+        );
+        assert_eq!(role_of(&own("Both"), glove), both);
+        assert_eq!(role_of(&own("Both"), "serial:/dev/ttyUSB0"), both);
+        assert_eq!(role_of("role: Both", other), both, "it is for any source");
+    }
 }
