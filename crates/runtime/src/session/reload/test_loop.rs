@@ -66,8 +66,9 @@ impl TestLoop {
             watch: true,
             is_recorded: false,
         };
-        let build =
-            move |_, built: &Layout| accept(built).map(|()| LayoutInstance::from_layout(built));
+        let build = move |_: usize, built: &Layout| {
+            accept(built).map(|()| LayoutInstance::from_layout(built))
+        };
         let report = move |report| sender.send(report).unwrap();
         start(
             [source],

@@ -355,7 +355,7 @@ mod tests {
             link,
             learned: None,
             is_recorded: false,
-            build: |_, layout: &Layout| Ok(LayoutInstance::from_layout(layout)),
+            build: |_: usize, layout: &Layout| Ok(LayoutInstance::from_layout(layout)),
             report: move |report| sender.send(report).unwrap(),
         }
     }
