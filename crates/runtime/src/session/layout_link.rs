@@ -137,7 +137,7 @@ impl LayoutLink {
         &self.trials
     }
 
-    /// Returns `true` if the loop has replaced a layout since it made the request: board poses of the request may be those of
+    /// Returns `true` if the loop has replaced a layout since it made the request: its board poses may belong to
     /// another layout.
     pub(super) fn is_outdated(&self, request: &LayoutRequest) -> bool {
         request.replaced != self.replaced.load(Ordering::Relaxed)
