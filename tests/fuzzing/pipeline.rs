@@ -10,6 +10,7 @@ use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
+use ademan::text::{TextModeSetup, TextSetup};
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
@@ -170,7 +171,10 @@ impl FuzzSetup {
             other_hand: plan.has_two_hands.then(OtherHand::default),
             arm_immediately: plan.armed,
             // The decoder of a layout without letters is none.
-            text: Some("auto".parse().expect("a mode")),
+            text: Some(TextSetup {
+                mode: TextModeSetup::Auto,
+                ..TextSetup::default()
+            }),
             ..Setup::default()
         };
         let mut loaded = setup.load_files().expect("shipped files");

@@ -24,6 +24,7 @@ use ademan::pipeline::{LayoutInstance, Pipeline, PipelineState, SourceRole};
 use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
+use ademan::text::{TextModeSetup, TextSetup};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
@@ -448,7 +449,10 @@ fn a_layout_change_neither_allocates_nor_frees_in_the_loop() {
 #[test]
 fn corrections_and_candidates_do_not_allocate() {
     let setup = Setup {
-        text: Some("auto".parse().expect("a mode")),
+        text: Some(TextSetup {
+            mode: TextModeSetup::Auto,
+            ..TextSetup::default()
+        }),
         ..Setup::default()
     };
     let setup = setup.load_files().expect("the default setup");
