@@ -400,7 +400,7 @@ mod on_a_terminal {
             shown.contains("typed    ho") && shown.contains("words/min")
         });
         println!("{text}");
-        assert!(text.contains("to type  hola amigo"), "{text}");
+        assert!(text.contains("to type  hola·amigo"), "{text}");
         assert!(text.contains(" of 10 characters · "), "{text}");
         assert!(
             text.contains("this view only"),

@@ -4,12 +4,16 @@ use std::fs::{self, Permissions};
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::Command;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::support::binary::copy_binary;
 use crate::{Ended, ademan};
+
+/// Number of users that this process has made up.
+static USERS: AtomicU32 = AtomicU32::new(0);
 
 /// A user without other processes, and a folder in which this user may write.
 struct User {
@@ -26,7 +30,7 @@ impl User {
         copy_binary(&program);
         fs::set_permissions(folder.path(), Permissions::from_mode(0o777)).expect("an own folder");
         // The limit counts all processes of a user: one that no other test has.
-        let id = 100_000 + std::process::id();
+        let id = 100_000 + 16 * std::process::id() + USERS.fetch_add(1, Ordering::Relaxed);
         let user = Self { id, folder };
         match user
             .command(&["prlimit", "--nproc=100", "setpriv"], ["--version"])
