@@ -193,7 +193,8 @@ fn link_or_copy(path: &Path, name: &Path) -> Result<(), FileError> {
 /// Copies the text and the permissions of a file to a new one.
 fn copy(path: &Path, name: &Path) -> Result<(), FileError> {
     let mut original = open_regular(path)?;
-    let mut new = create_new(name)?;
+    // It has the permissions of the file only after its text.
+    let mut new = create_private(name)?;
     let copied = io::copy(&mut original, &mut new)
         .and_then(|_| original.metadata())
         .and_then(|metadata| new.set_permissions(metadata.permissions()))
