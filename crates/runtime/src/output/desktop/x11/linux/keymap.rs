@@ -80,9 +80,9 @@ impl Keymap {
 
     /// Returns a key that is not pressed and types this keysym while no modifier is active and the first group is.
     pub fn unmodified_key(&self, keysym: u32) -> Option<u8> {
-        let is_pressed = |code: u8| self.pressed[usize::from(code / 8)] >> (code % 8) & 1 == 1;
         let types = |(code, keysyms): (u8, &[u32])| {
-            (keysyms.first() == Some(&keysym) && !is_pressed(code)).then_some(code)
+            let is_free = !is_pressed(&self.pressed, code);
+            (keysyms.first() == Some(&keysym) && is_free).then_some(code)
         };
         self.keys().find_map(types)
     }
@@ -125,6 +125,11 @@ impl Keymap {
     fn keys(&self) -> impl Iterator<Item = (u8, &[u32])> {
         (self.first..=u8::MAX).zip(self.keysyms.chunks(self.keysyms_per_key))
     }
+}
+
+/// Returns `true` if a key is pressed in a state of the keyboard, which has a bit for each code.
+pub fn is_pressed(keyboard: &[u8; 32], code: u8) -> bool {
+    keyboard[usize::from(code / 8)] >> (code % 8) & 1 == 1
 }
 
 /// Enables the extension XKB for a connection. Returns `false` if the server does not have it.

@@ -138,7 +138,7 @@ impl X11Injector {
     /// Releases a key that types a character, in case that the process that pressed it was killed, and removes it from the keymap.
     fn remove_character_key(&self, key: CharacterKey) -> Result<(), ReplyError> {
         let bits = self.server.query_keymap()?.reply()?.keys;
-        if is_pressed(&bits, key.code) {
+        if keymap::is_pressed(&bits, key.code) {
             self.fake(KEY_RELEASE_EVENT, key.code)?;
         }
         keymap::remove(&self.server, key)
@@ -190,7 +190,7 @@ impl X11Injector {
         let buttons = u16::from(self.server.query_pointer(self.root)?.reply()?.mask);
         let first_button = u16::from(KeyButMask::BUTTON1);
         let has = |key: &KeyCode| match input(*key) {
-            Ok(Input::Key(code)) => is_pressed(&bits, code),
+            Ok(Input::Key(code)) => keymap::is_pressed(&bits, code),
             Ok(Input::Button(button)) if QUERIED_BUTTONS.contains(&button) => {
                 buttons & first_button << (button - 1) != 0
             }
@@ -335,11 +335,6 @@ fn fake_input(key: KeyCode, direction: KeyDirection) -> Result<(u8, u8), String>
         (Input::Button(button), true) => (BUTTON_PRESS_EVENT, button),
         (Input::Button(button), false) => (BUTTON_RELEASE_EVENT, button),
     })
-}
-
-/// Returns `true` if a key is pressed in a state of the keyboard, which has a bit for each code.
-fn is_pressed(bits: &[u8; 32], code: u8) -> bool {
-    bits[usize::from(code / 8)] >> (code % 8) & 1 == 1
 }
 
 /// Returns the keys with these codes. A code of no key is of one that was added to the keymap, which the watchdog knows.
