@@ -1,5 +1,5 @@
-//! Prints tables of `docs/typing-measured.md` as Markdown: what `--learned` is worth to a person who comes back, and what words of the person
-//! are worth and cost.
+//! Prints tables of `docs/typing-measured.md` as Markdown: what `--learned` is worth to a person who comes back, and what words of
+//! the person are worth and cost.
 //!
 //! `cargo run --release -p ademan-text --example returning -- [--phrases 500] [--people 60] [--tuning]`
 

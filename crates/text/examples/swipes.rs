@@ -1,4 +1,5 @@
-//! Prints the table of swiped words of `docs/typing-measured.md` as Markdown: phrases that the models have not seen, swiped by simulated people.
+//! Prints the table of swiped words of `docs/typing-measured.md` as Markdown: phrases that the models have not seen, swiped by
+//! simulated people.
 //!
 //! `cargo run --release -p ademan-text --example swipes -- [--phrases 200] [--people 10] [--tuning]`; with `--tuning`, phrases and people
 //! are those on which costs may be tuned.

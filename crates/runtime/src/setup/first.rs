@@ -96,8 +96,8 @@ impl Setup {
         setup.load_files()
     }
 
-    /// Returns the text of a setup file at `path`: source, glove and layout. A file beside it is named without its folder, and one elsewhere
-    /// by its whole path, as the names of a setup start in its folder.
+    /// Returns the text of a setup file at `path`: source, glove and layout. A file beside it is named without its folder, and one
+    /// elsewhere by its whole path, as the names of a setup start in its folder.
     pub fn first_text(&self, path: &Path) -> String {
         let mut fields = Vec::new();
         if let Some(source) = &self.source {

@@ -73,9 +73,9 @@ pub struct FilePolicy {
 ///
 /// `layouts` has one layout for each profile of the setup, in order; `learned` is the file of what the text decoder has learned.
 /// `build` makes a layout ready for the loop, in place of the layout of a profile by index, or refuses it. `report` receives the
-/// outcome of every change, in order. A file that was saved is active at most 0.2 s later, or 0.7 s if simulated hands have to lift first. Saves in quick succession count as one;
-/// while they continue for longer than 2 s, the saves of each 2 s count as one. Two saves in one tick of the file system's clock,
-/// 2 s on FAT, look like one if their lengths are equal.
+/// outcome of every change, in order. A file that was saved is active at most 0.2 s later, or 0.7 s if simulated hands have to lift
+/// first. Saves in quick succession count as one; while they continue for longer than 2 s, the saves of each 2 s count as one. Two
+/// saves in one tick of the file system's clock, 2 s on FAT, look like one if their lengths are equal.
 pub fn start(
     layouts: impl IntoIterator<Item = LayoutSource>,
     learned: Option<LearnedFile>,
