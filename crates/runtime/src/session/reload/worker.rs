@@ -202,7 +202,7 @@ where
     /// Activates the file of a layout if it has changed.
     fn poll(&mut self, index: usize) -> Result<(), SessionEnded> {
         let ManagedLayout { layout, detection } = &mut self.layouts[index];
-        // A long wait without requests ends too, and a file that is not watched is read on request only.
+        // A long wait without requests times out too, and a file that is not watched is read on request only.
         if matches!(detection, ChangeDetection::None) {
             return Ok(());
         }

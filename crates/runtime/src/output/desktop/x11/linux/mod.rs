@@ -135,7 +135,7 @@ impl X11Injector {
         keys.prepare(&self.server, self.root, &text, reporter)
     }
 
-    /// Releases a key that types a character, in case that the process that pressed it was killed, and removes it from the keymap.
+    /// Releases a key that types a character, in case the process that pressed it was killed, and removes it from the keymap.
     fn remove_character_key(&self, key: CharacterKey) -> Result<(), ReplyError> {
         let bits = self.server.query_keymap()?.reply()?.keys;
         if keymap::is_pressed(&bits, key.code) {
