@@ -40,6 +40,7 @@ pub struct CommandSender {
     queue: Sender<QueuedCommand>,
     estimators: Sender<EstimatorSwap>,
     stop: Arc<AtomicBool>,
+    is_pause_requested: Arc<AtomicBool>,
     waker: Waker,
 }
 
@@ -81,6 +82,21 @@ impl CommandSender {
         })?
     }
 
+    /// Returns `true` after a pause that did not come from a client, until a `Resume` follows. A session that ends before it has started
+    /// executes neither.
+    pub fn is_pause_requested(&self) -> bool {
+        self.is_pause_requested.load(Ordering::Acquire)
+    }
+
+    fn note_pause(&self, command: &Command) {
+        let is_paused = match command {
+            Command::Pause if self.origin != CommandOrigin::Client => true,
+            Command::Resume => false,
+            _ => return,
+        };
+        self.is_pause_requested.store(is_paused, Ordering::Release);
+    }
+
     /// Sends an estimator without waiting. The queue has room for one.
     pub(super) fn send_estimator(&self, swap: EstimatorSwap) -> Result<(), RequestError> {
         self.estimators.try_send(swap).map_err(refusal)?;
@@ -90,6 +106,7 @@ impl CommandSender {
 
     fn enqueue(&self, command: Command, reply: Option<ReplySender>) -> Result<(), RequestError> {
         command.check()?;
+        self.note_pause(&command);
         if command == Command::Stop {
             self.stop.store(true, Ordering::Release);
         } else if self.origin == CommandOrigin::Client && self.queue.len() >= CLIENT_COMMANDS {
@@ -148,6 +165,7 @@ pub fn command_channel() -> (CommandSender, CommandReceiver) {
         queue: sender,
         estimators: estimator_sender,
         stop,
+        is_pause_requested: Arc::default(),
         waker,
     };
     (sender, receiver)
@@ -233,6 +251,19 @@ mod tests {
             let pause = sender.with_origin(origin).send(Command::Pause);
             assert_eq!(pause, Ok(()), "{origin}");
         }
+        drop(receiver);
+    }
+
+    #[test]
+    fn a_pause_of_another_origin_than_a_client_is_known_before_it_is_executed() {
+        let (sender, receiver) = command_channel();
+        sender.send(Command::Pause).unwrap();
+        assert!(!sender.is_pause_requested());
+        let signal = sender.with_origin(CommandOrigin::Signal);
+        signal.send(Command::Pause).unwrap();
+        assert!(sender.is_pause_requested());
+        sender.send(Command::Resume).unwrap();
+        assert!(!sender.is_pause_requested());
         drop(receiver);
     }
 

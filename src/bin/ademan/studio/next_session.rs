@@ -22,6 +22,8 @@ pub(super) struct Pending {
     pub back: Option<(Setup, bool)>,
     /// Reason why the session is on the setup before.
     pub refusal: Option<String>,
+    /// The person has cancelled the change, and the session has not ended.
+    pub is_cancelled: bool,
 }
 
 /// What a window shows of a setup besides its session.
@@ -53,6 +55,7 @@ impl Pending {
             next: shown,
             back: None,
             refusal: None,
+            is_cancelled: false,
         })
     }
 }

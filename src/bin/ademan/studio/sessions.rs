@@ -54,12 +54,16 @@ impl Sessions {
         create(self.running.borrow().as_ref().ok_or(StudioError::Ended)?)
     }
 
-    /// Returns the session, and leaves none. One that has not started is stopped.
+    /// Returns the session, and leaves none. One whose outputs are not open is stopped.
     pub fn take(&self) -> Option<SessionHandle> {
-        if let Some(pending) = self.pending.take() {
-            pending.session.abandon();
+        let Some(Pending { session, .. }) = self.pending.take() else {
+            return self.running.take();
+        };
+        if session.wait_for_start(Duration::ZERO).is_some() {
+            return Some(session);
         }
-        self.running.take()
+        session.abandon();
+        None
     }
 
     /// Starts a session and returns the program for it, or the reason why there is none. `None` while its source or its outputs are not
@@ -114,16 +118,18 @@ impl Sessions {
         }
     }
 
-    /// Stops the pending session, whose outputs may wait for a permission, and starts one on the setup before.
+    /// Stops the pending session. One on the setup before starts after its end: both may read one serial port, which is for one program.
+    /// A session that is on the setup before already goes on.
     fn cancel(&self) -> Result<Option<StudioApp>, Failure> {
-        let back = self.pending.take().and_then(|pending| {
-            pending.session.abandon();
-            pending.back
-        });
-        match back {
-            Some(back) => self.go_back(back, CANCELLED.to_owned()),
-            None => Err(Failure::job(CANCELLED)),
+        let Some(mut pending) = self.pending.take() else {
+            return Err(Failure::job(CANCELLED));
+        };
+        if pending.back.is_some() {
+            pending.is_cancelled = true;
+            // A session that has ended receives nothing.
+            let _ = pending.session.commands().send(Command::Stop);
         }
+        self.wait(pending, PICTURE_TIMEOUT)
     }
 
     /// Starts a session on the setup before, which shows why the change does not apply.
@@ -145,17 +151,19 @@ impl Sessions {
             return Ok(None);
         };
         let back = pending.back.take();
-        let shown = if has_started {
+        let commands = pending.session.commands().clone();
+        let shown = if has_started && !pending.is_cancelled {
             self.show(pending)
         } else {
-            Err(match pending.session.join() {
-                Ok(_) => Failure::job(StudioError::Ended.to_string()),
-                Err(error) => error.into(),
-            })
+            Err(reason_of_end(pending))
         };
         match (shown, back) {
             (Ok(app), _) => Ok(Some(app)),
-            (Err(failure), Some(back)) => self.go_back(back, failure.to_string()),
+            (Err(failure), Some((before, is_paused))) => {
+                // Panic keys and signals have paused the session that ends here.
+                let is_paused = is_paused || commands.is_pause_requested();
+                self.go_back((before, is_paused), failure.to_string())
+            }
             (Err(failure), None) => Err(failure),
         }
     }
@@ -190,9 +198,20 @@ impl Sessions {
     }
 }
 
+/// Waits for the end of a session that the window does not show, and returns the reason.
+fn reason_of_end(pending: Pending) -> Failure {
+    match pending.session.join() {
+        _ if pending.is_cancelled => Failure::job(CANCELLED),
+        Ok(_) => Failure::job(StudioError::Ended.to_string()),
+        Err(error) => error.into(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use ademan::command::CommandOrigin;
     use ademan::pipeline::PipelineState;
+    use ademan::session::view::View;
 
     use super::*;
 
@@ -244,6 +263,15 @@ mod tests {
         view.is_ok_and(|has_view| has_view)
     }
 
+    /// Returns the first view of the session after its start.
+    fn first_view(sessions: &Sessions) -> View {
+        let viewer = sessions.program(|session| Ok(session.add_viewer()));
+        let viewer = viewer.expect("a session");
+        let mut views = viewer.views().iter();
+        let first = views.find(|view| view.state.state != PipelineState::Starting);
+        first.expect("a view of the running session")
+    }
+
     fn other(uri: &str) -> SetupChange {
         SetupChange::Source(Some(uri.parse().expect("a source")))
     }
@@ -259,7 +287,6 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn sigusr1_pauses_the_session_of_the_window_also_after_a_change() {
-        use ademan::command::CommandOrigin;
         use nix::sys::signal::{Signal, raise};
 
         if std::env::var_os(IS_SIGNALLED).is_none() {
@@ -348,11 +375,7 @@ mod tests {
         });
         let change = SetupChange::Layout("numpad".into());
         changed(&sessions, &change, true).expect("another session");
-        let viewer = sessions.program(|session| Ok(session.add_viewer()));
-        let viewer = viewer.expect("a session");
-        let mut views = viewer.views().iter();
-        let first = views.find(|view| view.state.state != PipelineState::Starting);
-        let view = first.expect("a view of the running session");
+        let view = first_view(&sessions);
         assert_eq!(view.state.state, PipelineState::Paused);
         assert!(view.state.paused_by.is_some());
         let is_armed = |notice: &String| notice.starts_with("armed");
@@ -370,28 +393,60 @@ mod tests {
         assert!(first.send(Command::State).is_err(), "it has ended");
     }
 
-    #[test]
-    fn a_change_that_is_cancelled_ends_by_itself_and_leads_back() {
-        let sessions = sessions();
-        let before = sessions.setup.borrow().clone();
+    /// Returns a session that is about to replace the one of the window, which has ended. `back` is the setup before, unless it is on
+    /// that one already.
+    fn pending(sessions: &Sessions, back: Option<Setup>) -> Pending {
         sessions.end_present();
         let setup = Setup {
-            source: "typist:8462".parse().ok(),
-            ..before.clone()
+            layout: "arrows".into(),
+            ..sessions.setup.borrow().clone()
         };
         let next = Next::load(setup, "").expect("a setup");
-        let pending = Pending::launch(next, false).expect("a session");
-        let viewer = pending.session.add_viewer();
-        *sessions.pending.borrow_mut() = Some(Pending {
-            back: Some((before.clone(), false)),
-            ..pending
-        });
+        let launched = Pending::launch(next, false).expect("a session");
+        Pending {
+            back: back.map(|before| (before, false)),
+            ..launched
+        }
+    }
+
+    #[test]
+    fn a_change_that_is_cancelled_ends_before_the_session_that_it_leads_back_to() {
+        let sessions = sessions();
+        let before = sessions.setup.borrow().clone();
+        let pending = pending(&sessions, Some(before.clone()));
+        let cancelled = pending.session.commands().clone();
+        *sessions.pending.borrow_mut() = Some(pending);
         started(&sessions, sessions.cancel()).expect("the session before");
-        // The views end with the session that was cancelled.
-        viewer.views().iter().for_each(drop);
+        let sent = cancelled.send(Command::State);
+        assert!(sent.is_err(), "its source is free");
         assert_eq!(*sessions.setup.borrow(), before);
-        assert!(is_running(&sessions));
+        let state = first_view(&sessions).state;
+        assert!(state.paused_by.is_none(), "{state:?}");
         assert!(sessions.cancel().is_err(), "nothing is pending");
         assert!(is_running(&sessions));
+    }
+
+    #[test]
+    fn a_pause_of_a_signal_stays_after_a_change_that_is_cancelled() {
+        let sessions = sessions();
+        let before = sessions.setup.borrow().clone();
+        let pending = pending(&sessions, Some(before));
+        let commands = pending.session.commands();
+        let signal = commands.with_origin(CommandOrigin::Signal);
+        signal.send(Command::Pause).expect("a session");
+        *sessions.pending.borrow_mut() = Some(pending);
+        started(&sessions, sessions.cancel()).expect("the session before");
+        assert_eq!(first_view(&sessions).state.state, PipelineState::Paused);
+    }
+
+    #[test]
+    fn a_session_on_the_setup_before_is_not_cancelled() {
+        let sessions = sessions();
+        let pending = pending(&sessions, None);
+        let kept = pending.session.commands().clone();
+        *sessions.pending.borrow_mut() = Some(pending);
+        started(&sessions, sessions.cancel()).expect("the session goes on");
+        kept.send(Command::State).expect("it runs");
+        assert_eq!(sessions.setup.borrow().layout, "arrows");
     }
 }
