@@ -178,7 +178,7 @@ impl SetupArgs {
 
 /// Returns the role of a setup if the source that is named takes the place of `own`, the source of the setup. A role that lets that one
 /// press keys is not for another one on the network, where other programs may send readings too.
-fn role_beside(
+pub fn role_beside(
     named: Option<&SourceUri>,
     own: Option<&SourceUri>,
     role: Option<SourceRole>,

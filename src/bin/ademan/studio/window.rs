@@ -23,6 +23,7 @@ use super::sessions::Sessions;
 use super::{Args, attach, first, headset_link, mesa, source};
 use crate::failure::Failure;
 use crate::picture::convert;
+use crate::setup_args::role_beside;
 use crate::{panics, pause_signals, session, signals, stats, watchdog};
 
 /// The outputs, unless a setup file or the person names others: nothing is typed into other programs by surprise.
@@ -255,6 +256,7 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<Loaded, Failure> {
             ..Setup::default()
         },
     };
+    setup.role = role_beside(args.source.as_ref(), setup.source.as_ref(), setup.role);
     setup.source = args.source.or(setup.source);
     setup.glove = args.glove.or(setup.glove);
     setup.person = args.person.or(setup.person);
@@ -271,6 +273,7 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<Loaded, Failure> {
 #[cfg(test)]
 mod tests {
     use ademan::hand::Side;
+    use ademan::pipeline::SourceRole;
     use clap::Parser;
 
     use super::*;
@@ -312,6 +315,23 @@ mod tests {
         let other = loaded.setup.other_hand.expect("a second hand");
         assert_eq!(other.arm.side(), Side::Left);
         assert!(loaded.hand.is_some());
+    }
+
+    #[test]
+    fn a_role_of_the_setup_is_not_for_another_source_on_the_network() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("setup.ron");
+        let text = "Setup(source: \"tcp:192.168.1.7:4001\", role: Both)";
+        std::fs::write(&path, text).expect("a write");
+        let role_of = |source: &str| {
+            let path = path.to_str().expect("a path");
+            let line = CommandLine::try_parse_from(["studio", path, "--source", source]);
+            let mut options = SessionOptions::default();
+            let loaded = load(line.expect("the flag is known").args, &mut options);
+            loaded.expect("a setup").base.role
+        };
+        assert_eq!(role_of("tcp:192.168.1.8:4001"), None);
+        assert_eq!(role_of("tcp:192.168.1.7:4001"), Some(SourceRole::Both));
     }
 
     #[test]
