@@ -41,7 +41,7 @@ fn wait_for_state(run: &Run, is_so: impl Fn(&Value) -> bool) {
     }
 }
 
-/// Returns whether this many presses were suppressed in a state.
+/// Returns `true` if this many presses were suppressed in a state.
 fn has_suppressed(state: &Value, presses: u64) -> bool {
     state["stats"]["suppressed"]["keys_by_role"] == presses
 }

@@ -39,8 +39,8 @@ impl RecentFiles {
         self.0.iter().map(String::as_str)
     }
 
-    /// Adds the files that another list has in addition to the list `before` both: behind what was added here since, so that a full list
-    /// drops its oldest files.
+    /// Adds the files that have been added to another list since both were the list `before`: behind those that have been added to this
+    /// one, so that a full list drops its oldest files.
     pub fn merge(&mut self, other: &Self, before: &Self) {
         let is_new = |file: &String| !before.0.contains(file);
         let has_other_first = usize::from(self.0.first() != before.0.first());
