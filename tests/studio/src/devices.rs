@@ -165,10 +165,14 @@ fn a_session_that_waits_for_a_permission_can_be_cancelled() {
     window.wait_for("readings", |app| app.model().stats.accepted > 100);
     choose(&mut window, text("devices-person"), "adult");
     assert!(window.has(text("devices-waiting")));
+    window.harness.key_press(egui::Key::P);
+    window.draw();
+    assert!(window.has(text("devices-waiting")));
     window.is_held.set(false);
     window.draw();
     assert!(!window.has(text("devices-waiting")));
     assert_eq!(window.setup().person.as_deref(), Some("adult"));
+    window.wait_for("a pause", |app| app.model().view.state.paused_by.is_some());
 }
 
 #[test]

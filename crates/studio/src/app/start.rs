@@ -1,5 +1,7 @@
 //! The program in a window after a change of its setup, and after the pages of the first start.
 
+use std::mem;
+
 use eframe::egui;
 
 use super::StudioApp;
@@ -7,6 +9,7 @@ use crate::first_start::{Answers, FirstStart};
 use crate::panels;
 use crate::setup_change::SetupChange;
 use crate::texts::text;
+use ademan_core::command::Command;
 
 /// The session that is to be started.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +37,8 @@ pub struct StudioStart<'a> {
     open: Option<OpenSession<'a>>,
     /// The session of the program has ended, and the next one has not started.
     is_waiting: bool,
+    /// The next session is to be paused once it has started.
+    is_pause_wanted: bool,
     /// Reason why the settings were not written before the next session.
     unsaved: Option<String>,
 }
@@ -49,6 +54,7 @@ impl<'a> StudioStart<'a> {
             app: None,
             open: Some(Box::new(open)),
             is_waiting: false,
+            is_pause_wanted: false,
             unsaved: None,
         }
     }
@@ -64,6 +70,7 @@ impl<'a> StudioStart<'a> {
             app: Some(app),
             open: Some(Box::new(open)),
             is_waiting: false,
+            is_pause_wanted: false,
             unsaved: None,
         }
     }
@@ -122,8 +129,10 @@ impl<'a> StudioStart<'a> {
         self.adopt(opened);
     }
 
-    /// Shows that the next session has not started, and a button that leads back to the setup before.
+    /// Shows that the next session has not started, and a button that leads back to the setup before. The key of a pause, which no
+    /// session receives, pauses the next one.
     fn wait(&mut self, ui: &egui::Ui) {
+        self.is_pause_wanted |= ui.input(|input| input.key_pressed(egui::Key::P));
         let Some(open) = &mut self.open else {
             return;
         };
@@ -151,9 +160,15 @@ impl<'a> StudioStart<'a> {
                 other.sensors.keep_glove(&mut app.sensors);
                 other.panels.keep_devices(&mut app.panels);
                 other.panels.message = self.unsaved.take().or(other.panels.message);
+                if mem::take(&mut self.is_pause_wanted) {
+                    other.send(Command::Pause);
+                }
                 self.app = Some(other);
             }
-            Err(reason) => app.panels.refuse(reason),
+            Err(reason) => {
+                self.is_pause_wanted = false;
+                app.panels.refuse(reason);
+            }
         }
     }
 }
@@ -177,6 +192,7 @@ impl From<StudioApp> for StudioStart<'_> {
             app: Some(app),
             open: None,
             is_waiting: false,
+            is_pause_wanted: false,
             unsaved: None,
         }
     }
