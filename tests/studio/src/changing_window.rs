@@ -169,7 +169,7 @@ impl ChangingWindow {
         }
     }
 
-    /// Writes words into the field with this label, and confirms them with Enter.
+    /// Waits until the window shows these words.
     pub fn wait_for_words(&mut self, words: &str) {
         let deadline = Instant::now() + TIMEOUT;
         while !self.has(words) {
@@ -178,6 +178,7 @@ impl ChangingWindow {
         }
     }
 
+    /// Writes words into the field with this label, and confirms them with Enter.
     pub fn enter(&mut self, label: &str, words: &str) {
         let field = self.harness.get_by_role_and_label(Role::TextInput, label);
         field.focus();
