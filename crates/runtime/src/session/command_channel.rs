@@ -82,13 +82,17 @@ impl CommandSender {
         })?
     }
 
-    /// Returns `true` after a pause that did not come from a client, until a `Resume` follows. A session that ends before it has started
-    /// executes neither.
+    /// Returns `true` after a pause by a signal, the panic keys or the loss of the watchdog, until a `Resume` follows. A session that ends
+    /// before it has started executes neither.
     pub fn is_pause_requested(&self) -> bool {
         self.is_pause_requested.load(Ordering::Acquire)
     }
 
-    fn note_pause(&self, command: &Command) {
+    fn note_pause(&self, command: Command) {
+        if self.origin == CommandOrigin::Suspend {
+            // Its pause ends by itself, and it ends no other one.
+            return;
+        }
         let is_paused = match command {
             Command::Pause if self.origin != CommandOrigin::Client => true,
             Command::Resume => false,
@@ -106,7 +110,7 @@ impl CommandSender {
 
     fn enqueue(&self, command: Command, reply: Option<ReplySender>) -> Result<(), RequestError> {
         command.check()?;
-        self.note_pause(&command);
+        self.note_pause(command);
         if command == Command::Stop {
             self.stop.store(true, Ordering::Release);
         } else if self.origin == CommandOrigin::Client && self.queue.len() >= CLIENT_COMMANDS {
@@ -262,7 +266,12 @@ mod tests {
         let signal = sender.with_origin(CommandOrigin::Signal);
         signal.send(Command::Pause).unwrap();
         assert!(sender.is_pause_requested());
+        let suspend = sender.with_origin(CommandOrigin::Suspend);
+        suspend.send(Command::Resume).unwrap();
+        assert!(sender.is_pause_requested(), "it stays after Ctrl-Z");
         sender.send(Command::Resume).unwrap();
+        assert!(!sender.is_pause_requested());
+        suspend.send(Command::Pause).unwrap();
         assert!(!sender.is_pause_requested());
         drop(receiver);
     }
