@@ -10,6 +10,7 @@ use ademan::setup::{ProfileSetup, Setup};
 use ademan::studio::attached::Attached;
 use ademan::studio::model::StudioModel;
 use ademan::studio::texts::{text, text_with};
+use ademan::text::TextSetup;
 use ademan::time::Timestamp;
 use egui::accesskit::{Role, Toggled};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -73,7 +74,7 @@ fn start_other(socket: &Path) -> SessionHandle {
         source: "script:press H; wait 60000".parse().ok(),
         output: "none".into(),
         profiles: vec![arc],
-        text: "literal".parse().ok(),
+        text: Some(TextSetup::default()),
         ..Setup::default()
     };
     let options = SessionOptions {

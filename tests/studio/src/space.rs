@@ -1,6 +1,7 @@
 //! The 3D view.
 
 use ademan::studio::texts::text;
+use ademan::text::{TextModeSetup, TextSetup};
 
 use crate::picture;
 use crate::window::{Opening, StudioWindow};
@@ -97,7 +98,11 @@ fn a_click_takes_a_candidate_of_the_decoder() {
         size: SIZE,
         ..Opening::on_layout("qwerty-flat")
     };
-    opening.setup.text = Some("suggest:es".parse().expect("a mode and a language"));
+    opening.setup.text = Some(TextSetup {
+        mode: TextModeSetup::Suggest,
+        language: "es".into(),
+        ..TextSetup::default()
+    });
     let mut window = opening.open();
     window.show_space_only();
     while window.model().view.state.typed.len() < 3 {

@@ -34,13 +34,13 @@ pub fn for_each<T: Send>(
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
-    let run = |sender: mpsc::Sender<(usize, T)>| {
+    let run = |finished: mpsc::Sender<(usize, T)>| {
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
             if index >= count || cancel.load(Ordering::Relaxed) {
                 return;
             }
-            if sender.send((index, work(index))).is_err() {
+            if finished.send((index, work(index))).is_err() {
                 return;
             }
         }

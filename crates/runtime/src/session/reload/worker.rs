@@ -345,11 +345,11 @@ mod tests {
         impl Fn(usize, &Layout) -> Result<LayoutInstance, String> + use<>,
         impl FnMut(LayoutReport) + use<>,
     > {
-        let layout = Layout::parse(active, path).unwrap();
-        let file = WatchedFile::new(path, active, layout.fit, Instant::now());
+        let parsed = Layout::parse(active, path).unwrap();
+        let file = WatchedFile::new(path, active, parsed.fit, Instant::now());
         Worker {
             layouts: vec![ManagedLayout {
-                layout: ActiveLayout::new(Some(file), layout, 0),
+                layout: ActiveLayout::new(Some(file), parsed, 0),
                 detection,
             }],
             link,
