@@ -83,6 +83,9 @@ impl<'a> StudioStart<'a> {
     /// Draws one picture.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         if let Some(app) = &mut self.app {
+            // The key of a pause: the program takes it, and its session has ended.
+            self.is_pause_wanted |=
+                self.is_waiting && ui.input(|input| input.key_pressed(egui::Key::P));
             app.show(ui);
             if self.is_waiting {
                 self.wait(ui);
@@ -129,10 +132,8 @@ impl<'a> StudioStart<'a> {
         self.adopt(opened);
     }
 
-    /// Shows that the next session has not started, and a button that leads back to the setup before. The key of a pause, which no
-    /// session receives, pauses the next one.
+    /// Shows that the next session has not started, and a button that leads back to the setup before.
     fn wait(&mut self, ui: &egui::Ui) {
-        self.is_pause_wanted |= ui.input(|input| input.key_pressed(egui::Key::P));
         let Some(open) = &mut self.open else {
             return;
         };
