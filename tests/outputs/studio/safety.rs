@@ -78,7 +78,7 @@ impl Session {
     }
 
     /// Checks that the program exits with one of these codes and that no key is pressed.
-    fn check_end(mut self, codes: &[i32]) {
+    pub(super) fn check_end(mut self, codes: &[i32]) {
         let status = self.program.wait_for_exit();
         let is_expected = status.code().is_some_and(|code| codes.contains(&code));
         assert!(is_expected, "{status}: {:#?}", self.program.stderr_lines());
