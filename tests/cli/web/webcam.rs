@@ -6,12 +6,14 @@ use std::process::Command;
 use std::sync::{LazyLock, Mutex};
 
 use serde_json::{Value, json};
+use tempfile::TempDir;
 
 use super::files::drop_file;
 use super::hand_picture::write_film;
 use super::page::{look_like, open};
 use super::{folder, serve};
 use crate::browser::Browser;
+use crate::support::process::Process;
 
 const LOOK: &str = r##"({
   status: document.getElementById("webcam-status").textContent,
@@ -205,6 +207,18 @@ fn a_hand_before_a_webcam_gets_the_board_under_its_fingers_types_and_is_released
     assert_eq!(foreign.count(), 0, "{requests:?}");
 }
 
+/// Opens the page and starts the camera, for which the browser waits. Returns a folder that must outlive the browser, the browser and
+/// the server; `None` without a browser or MediaPipe.
+fn page_that_waits_for_the_camera() -> Option<(TempDir, Browser, Process)> {
+    let folder = folder_with_vision()?;
+    let scratch = tempfile::tempdir().expect("a folder");
+    let mut page = browser(&scratch.path().join("requests.json"))?;
+    let (server, address) = serve(&folder);
+    open(&mut page, &address);
+    ask_for_camera(&mut page, scratch.path());
+    Some((scratch, page, server))
+}
+
 /// Starts the camera, which the browser gives with `globalThis.allow()` only.
 fn ask_for_camera(browser: &mut Browser, scratch: &Path) {
     browser.evaluate(
@@ -234,16 +248,9 @@ fn ask_for_camera(browser: &mut Browser, scratch: &Path) {
 
 #[test]
 fn a_recording_that_is_dropped_switches_the_camera_off_and_a_layout_does_not() {
-    let Some(folder) = folder_with_vision() else {
+    let Some((_scratch, mut browser, _server)) = page_that_waits_for_the_camera() else {
         return;
     };
-    let scratch = tempfile::tempdir().expect("a folder");
-    let Some(mut browser) = browser(&scratch.path().join("requests.json")) else {
-        return;
-    };
-    let (_server, address) = serve(&folder);
-    open(&mut browser, &address);
-    ask_for_camera(&mut browser, scratch.path());
     drop_file(&mut browser, "mine.ron", b"Layout(name: \"Mine\")");
     let look = browser.wait_for(LOOK, "it still waits", |_| true);
     assert!(has(&look, "status", "waiting for the camera"), "{look}");
@@ -254,16 +261,9 @@ fn a_recording_that_is_dropped_switches_the_camera_off_and_a_layout_does_not() {
 
 #[test]
 fn a_camera_that_the_browser_gives_after_the_person_types_otherwise_is_let_go() {
-    let Some(folder) = folder_with_vision() else {
+    let Some((_scratch, mut browser, _server)) = page_that_waits_for_the_camera() else {
         return;
     };
-    let scratch = tempfile::tempdir().expect("a folder");
-    let Some(mut browser) = browser(&scratch.path().join("requests.json")) else {
-        return;
-    };
-    let (_server, address) = serve(&folder);
-    open(&mut browser, &address);
-    ask_for_camera(&mut browser, scratch.path());
     click(&mut browser, "type");
     browser.evaluate("globalThis.allow()");
     let look = browser.wait_for(LOOK, "the camera is let go", |seen| {

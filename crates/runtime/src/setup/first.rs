@@ -121,8 +121,8 @@ impl Setup {
 fn name_from(path: &Path, name: &str) -> String {
     let file = Path::new(name);
     let is_file_name = name.ends_with(".ron");
-    let is_shipped = !is_file_name && Document::shipped(name).is_ok();
-    if is_shipped || !is_file_name && !name.contains(is_separator) {
+    let is_name = || !name.contains(is_separator) || Document::shipped(name).is_ok();
+    if !is_file_name && is_name() {
         return name.to_owned();
     }
     let is_beside = is_file_name && file.parent() == path.parent();

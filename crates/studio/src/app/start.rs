@@ -49,14 +49,7 @@ impl<'a> StudioStart<'a> {
         first: FirstStart,
         open: impl FnMut(SessionRequest) -> Result<Option<StudioApp>, String> + 'a,
     ) -> Self {
-        Self {
-            first: Some(first),
-            app: None,
-            open: Some(Box::new(open)),
-            is_waiting: false,
-            is_pause_wanted: false,
-            unsaved: None,
-        }
+        Self::new(Some(first), None, Some(Box::new(open)))
     }
 
     /// Shows a program, and then those that `open` returns for changes of the setup.
@@ -65,10 +58,18 @@ impl<'a> StudioStart<'a> {
         open: impl FnMut(SessionRequest) -> Result<Option<StudioApp>, String> + 'a,
     ) -> Self {
         app.can_open = true;
+        Self::new(None, Some(app), Some(Box::new(open)))
+    }
+
+    fn new(
+        first: Option<FirstStart>,
+        app: Option<StudioApp>,
+        open: Option<OpenSession<'a>>,
+    ) -> Self {
         Self {
-            first: None,
-            app: Some(app),
-            open: Some(Box::new(open)),
+            first,
+            app,
+            open,
             is_waiting: false,
             is_pause_wanted: false,
             unsaved: None,
@@ -188,13 +189,6 @@ fn is_cancelled(ui: &egui::Ui) -> bool {
 
 impl From<StudioApp> for StudioStart<'_> {
     fn from(app: StudioApp) -> Self {
-        Self {
-            first: None,
-            app: Some(app),
-            open: None,
-            is_waiting: false,
-            is_pause_wanted: false,
-            unsaved: None,
-        }
+        Self::new(None, Some(app), None)
     }
 }

@@ -118,9 +118,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.form == Form::Strip {
         let text = strip::draw(&postures, |way| pose_at(&postures, way));
         out.write_all(text?.as_bytes())?;
-        out.flush()?;
-        args.output.announce();
-        return Ok(());
+        return args.output.finish(out);
     }
     let count = (args.ms * 1e-3 * args.rate_hz).round().max(1.0) as u64;
     let segments = postures.len() - 1;
@@ -136,9 +134,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         };
         writeln!(out, "{line}")?;
     }
-    out.flush()?;
-    args.output.announce();
-    Ok(())
+    args.output.finish(out)
 }
 
 /// Returns the pose on the way through postures: `1.5` is half the way from the second to the third.

@@ -63,11 +63,13 @@ impl OutputArgs {
         }
     }
 
-    /// Says that the file is written. Says nothing of the standard output.
-    pub fn announce(&self) {
+    /// Writes the rest of the results, and says that the file is written. Says nothing of the standard output.
+    pub fn finish(&self, mut out: impl Write) -> Result<(), Failure> {
+        out.flush()?;
         if let Some(path) = &self.output {
             say!("wrote {}", escape_path(path));
         }
+        Ok(())
     }
 }
 

@@ -51,9 +51,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let mut out = args.output.open()?;
     out.write_all(text.as_bytes())?;
-    out.flush()?;
-    args.output.announce();
-    Ok(())
+    args.output.finish(out)
 }
 
 /// Returns the add-on as one file.

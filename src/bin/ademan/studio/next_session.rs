@@ -26,7 +26,7 @@ pub(super) struct Pending {
     pub is_cancelled: bool,
 }
 
-/// What a window shows of a setup besides its session.
+/// The parts of a setup that a window shows besides its session.
 pub(super) struct Shown {
     /// The setup before its files were loaded.
     pub base: Setup,
