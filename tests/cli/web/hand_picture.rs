@@ -233,8 +233,8 @@ fn to_yuv(pixels: &[Vec3]) -> Vec<u8> {
     bytes
 }
 
-/// Writes a film: the open hand for six seconds; then its index finger bends and stretches three times; then it bends, and the hand
-/// is gone for two seconds. A browser plays it again and again.
+/// Writes a film: the open hand for six seconds; then its index finger bends and stretches three times; then it bends slowly, so that
+/// it holds a key for several images of a slow machine, and the hand is gone for two seconds. A browser plays it again and again.
 pub fn write_film(path: &Path) -> io::Result<()> {
     let open = picture(Some(&Hand::new(0.05)));
     let bent = [0.35, 0.6, 0.85, 1.05, 1.2].map(|bend| picture(Some(&Hand::new(bend))));
@@ -245,7 +245,10 @@ pub fn write_film(path: &Path) -> io::Result<()> {
         images.extend(bent.iter().rev().flat_map(|it| [it.as_slice(); 2]));
         images.extend([open.as_slice(); 8]);
     }
-    images.extend(bent.iter().flat_map(|it| [it.as_slice(); 2]));
+    let slowly: Vec<_> = (1..=24)
+        .map(|step| picture(Some(&Hand::new(0.05 * step as f32))))
+        .collect();
+    images.extend(slowly.iter().flat_map(|it| [it.as_slice(); 5]));
     images.extend([bent[4].as_slice(); 6]);
     let wall = picture(None);
     images.extend(vec![wall.as_slice(); 2 * RATE]);
