@@ -150,6 +150,10 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(23, "half-open TCP connection", Tests(&[
         ("tests/capture/tcp.rs", "a_silent_peer_is_lost_after_five_seconds"),
+        (
+            "crates/runtime/src/capture/transport/websocket/receive.rs",
+            "a_client_that_has_to_answer_is_asked_in_its_silence_and_then_given_up",
+        ),
         ("tests/pipeline/arming.rs", "a_gap_longer_than_the_stall_timeout_releases_everything"),
     ])),
     fault(24, "one byte a second", Tests(&[

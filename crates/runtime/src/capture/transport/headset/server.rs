@@ -37,6 +37,9 @@ const HELLO_TIMEOUT: Duration = Duration::from_secs(5);
 /// Longest time in which a page reads an answer: the text of a layout may have a megabyte.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
 
+/// Longest silence of a headset, after which it is no longer connected.
+const SILENCE_LIMIT: Duration = Duration::from_secs(5);
+
 /// Longest time after which a client, and the end of the source, are noticed.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
@@ -208,6 +211,7 @@ impl Shared {
         );
         let layout = self.layout.as_deref().and_then(layout_text);
         let welcome = Answer::Welcome { layout }.to_text();
+        receiver.limit_silence(SILENCE_LIMIT);
         let reason = match receiver.send(welcome, ANSWER_TIMEOUT) {
             Ok(()) => receiver.receive(
                 || self.is_stopped() || !self.clients.is_connected(id),

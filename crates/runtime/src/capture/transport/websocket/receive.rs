@@ -48,16 +48,33 @@ pub(in crate::capture::transport) struct MessageReceiver<S> {
     socket: WebSocket<MessageStream<S>>,
     second: Instant,
     frames: u32,
+    /// Longest silence of a client that has to answer.
+    silence_limit: Option<Duration>,
+    /// Time of the latest frame.
+    heard_at: Instant,
+    /// Time at which the client was asked for an answer, if it has sent no frame since.
+    asked_at: Option<Instant>,
 }
 
 impl<S: Read + Write> MessageReceiver<S> {
     /// Creates it after the handshake.
     pub fn new(socket: WebSocket<MessageStream<S>>) -> Self {
+        let now = Instant::now();
         Self {
             socket,
-            second: Instant::now(),
+            second: now,
             frames: 0,
+            silence_limit: None,
+            heard_at: now,
+            asked_at: None,
         }
+    }
+
+    /// Gives a client up that sends nothing for this time: a network or a battery that fails ends no connection. After half of the time the
+    /// client is asked for an answer, which a browser gives by itself.
+    #[cfg(feature = "tls")]
+    pub fn limit_silence(&mut self, limit: Duration) {
+        self.silence_limit = Some(limit);
     }
 
     /// Returns the connection, which a server of headsets writes to.
@@ -118,13 +135,17 @@ impl<S: Read + Write> MessageReceiver<S> {
     pub fn next(&mut self) -> Result<Option<Vec<u8>>, String> {
         let message = match self.socket.read() {
             Ok(message) => message,
-            Err(tungstenite::Error::Io(error)) if is_timeout(&error) => return Ok(None),
+            Err(tungstenite::Error::Io(error)) if is_timeout(&error) => {
+                self.check_silence()?;
+                return Ok(None);
+            }
             Err(tungstenite::Error::ConnectionClosed) => {
                 return Err("the client has closed the connection".to_owned());
             }
             Err(error) => return Err(error.to_string()),
         };
         self.socket.get_mut().end_message();
+        (self.heard_at, self.asked_at) = (Instant::now(), None);
         if self.second.elapsed() >= Duration::from_secs(1) {
             (self.second, self.frames) = (Instant::now(), 0);
         }
@@ -146,6 +167,28 @@ impl<S: Read + Write> MessageReceiver<S> {
                 Err("the client sent a binary message; lines are text messages".to_owned())
             }
             _ => Ok(None),
+        }
+    }
+
+    /// Asks a silent client for an answer. Fails with the reason to give it up. The second half of the limit starts with the question, so
+    /// that the time in which this thread did not read is no silence of the client.
+    fn check_silence(&mut self) -> Result<(), String> {
+        let Some(limit) = self.silence_limit else {
+            return Ok(());
+        };
+        match self.asked_at {
+            Some(asked_at) if asked_at.elapsed() >= limit / 2 => Err(format!(
+                "it has not answered for {} s; its network or its battery may have failed",
+                limit.as_secs()
+            )),
+            None if self.heard_at.elapsed() >= limit / 2 => {
+                self.asked_at = Some(Instant::now());
+                match self.socket.send(Message::Ping(tungstenite::Bytes::new())) {
+                    Err(tungstenite::Error::Io(error)) if is_timeout(&error) => Ok(()),
+                    sent => sent.map_err(|error| error.to_string()),
+                }
+            }
+            _ => Ok(()),
         }
     }
 }
@@ -232,5 +275,39 @@ mod tests {
         let mut client = receiver(MemoryStream::new(0));
         let reason = client.send("answer".to_owned(), Duration::ZERO);
         assert!(reason.unwrap_err().contains("did not read"));
+    }
+
+    #[test]
+    fn a_client_that_has_to_answer_is_asked_in_its_silence_and_then_given_up() {
+        let network = MemoryStream::new(100);
+        let mut client = receiver(network.clone());
+        assert_eq!(client.next(), Ok(None));
+        assert!(
+            network.take_received().is_empty(),
+            "its silence has no limit"
+        );
+
+        client.limit_silence(Duration::ZERO);
+        let ping: [u8; 2] = [0x89, 0];
+        let pong: [u8; 6] = [0x8a, 0x80, 0, 0, 0, 0];
+        for _ in 0..3 {
+            assert_eq!(client.next(), Ok(None));
+            assert_eq!(network.take_received(), ping);
+            network.send(&pong);
+            assert_eq!(client.next(), Ok(None), "the answer");
+        }
+        assert_eq!(client.next(), Ok(None));
+        let reason = client.next().unwrap_err();
+        assert!(reason.contains("has not answered"), "{reason}");
+    }
+
+    #[test]
+    fn a_client_that_sends_is_not_asked_for_an_answer() {
+        let network = MemoryStream::new(100);
+        let mut client = receiver(network.clone());
+        client.limit_silence(Duration::ZERO);
+        network.send(&[0x81, 0x81, 0, 0, 0, 0, b'a']);
+        assert_eq!(client.next(), Ok(Some(b"a\n".to_vec())));
+        assert!(network.take_received().is_empty());
     }
 }
