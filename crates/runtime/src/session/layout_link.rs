@@ -90,6 +90,7 @@ pub struct LayoutLink {
     hands: LayoutFeed,
     active_profile: Arc<AtomicUsize>,
     replaced: Arc<AtomicUsize>,
+    missed: Arc<AtomicUsize>,
 }
 
 impl LayoutLink {
@@ -100,6 +101,7 @@ impl LayoutLink {
         let (end, ended) = bounded(0);
         let active_profile = Arc::new(AtomicUsize::new(0));
         let replaced = Arc::new(AtomicUsize::new(0));
+        let missed = Arc::new(AtomicUsize::new(0));
         let manager_end = Self {
             requests,
             trials,
@@ -109,6 +111,7 @@ impl LayoutLink {
             hands: LayoutFeed::default(),
             active_profile: Arc::clone(&active_profile),
             replaced: Arc::clone(&replaced),
+            missed: Arc::clone(&missed),
         };
         let loop_end = LoopLayoutLink {
             requests: request_sender,
@@ -116,6 +119,7 @@ impl LayoutLink {
             swaps: swap_receiver,
             active_profile,
             replaced,
+            missed,
             _end: end,
         };
         (manager_end, loop_end)
@@ -141,6 +145,11 @@ impl LayoutLink {
     /// another layout.
     pub(super) fn is_outdated(&self, request: &LayoutRequest) -> bool {
         request.replaced != self.replaced.load(Ordering::Relaxed)
+    }
+
+    /// Returns the number of requests without a channel for a reply that found no room since the last call.
+    pub(super) fn take_missed(&self) -> usize {
+        self.missed.swap(0, Ordering::Relaxed)
     }
 
     /// Activates a layout, waits until the loop uses it, and frees the old one. Simulated hands lift first and follow.
@@ -224,15 +233,20 @@ pub(super) struct LoopLayoutLink {
     swaps: Receiver<LayoutSwap>,
     active_profile: Arc<AtomicUsize>,
     replaced: Arc<AtomicUsize>,
+    missed: Arc<AtomicUsize>,
     _end: Sender<()>,
 }
 
 impl LoopLayoutLink {
-    /// Forwards a request without waiting.
+    /// Forwards a request without waiting. One without a channel for a reply that finds no room is counted: the manager, which is busy
+    /// then, reports it after its next request.
     pub fn forward(&self, request: LayoutRequest) -> Result<(), RequestError> {
-        self.requests
-            .try_send(request)
-            .map_err(|_| RequestError::QueueFull)
+        self.requests.try_send(request).map_err(|error| {
+            if error.into_inner().reply.is_none() {
+                self.missed.fetch_add(1, Ordering::Relaxed);
+            }
+            RequestError::QueueFull
+        })
     }
 
     /// Stores the index of the active profile: hands do not follow a change of another profile.

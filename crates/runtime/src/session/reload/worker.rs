@@ -298,6 +298,13 @@ where
                 let _ = reply.try_send(outcome.map(Reply::Text).map_err(RequestError::Layout));
             }
         }
+        let missed = self.link.take_missed();
+        if missed > 0 {
+            let text = format!(
+                "too many commands for the layout were waiting; try again, as these were not executed: {missed}"
+            );
+            (self.report)(LayoutReport::Command(Err(text)));
+        }
         drop(done);
         Ok(())
     }
@@ -397,5 +404,33 @@ mod tests {
         thread::sleep(POLL_PERIOD * 4);
         assert!(worker.poll(0).is_ok());
         assert!(reports.is_empty());
+    }
+
+    #[test]
+    fn commands_without_a_client_that_found_no_room_are_reported() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ron");
+        fs::write(&path, text("A")).unwrap();
+        let path = path.to_str().unwrap();
+        let mut commands = CommandReceiver::disconnected();
+        let (sender, reports) = unbounded();
+        let link = commands.link_layouts();
+        let mut worker = worker((path, &text("A")), ChangeDetection::None, link, sender);
+        let request = LayoutRequest {
+            operation: LayoutOperation::SaveLearned(Box::default()),
+            profile: 0,
+            replaced: 0,
+            reply: None,
+            done: None,
+        };
+        let layouts = commands.layouts().unwrap();
+        while layouts.forward(request.clone()).is_ok() {}
+        assert!(layouts.forward(request).is_err());
+        for _ in 0..2 {
+            assert!(worker.handle_next().is_ok());
+        }
+        let texts: Vec<String> = reports.try_iter().map(|it| it.to_string()).collect();
+        assert_eq!(texts.len(), 3, "{texts:?}");
+        assert!(texts[1].ends_with("not executed: 2"), "{texts:?}");
     }
 }
