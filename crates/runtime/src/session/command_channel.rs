@@ -3,7 +3,7 @@
 //! The queue is bounded. A full queue refuses commands, except `Stop`, which needs no room: a flag carries it.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -33,11 +33,42 @@ pub(super) struct QueuedCommand {
     pub reply: Option<ReplySender>,
 }
 
+/// A command in the queue.
+#[derive(Debug)]
+struct WaitingCommand {
+    queued: QueuedCommand,
+    /// The place of a client, which is free once the command is received.
+    _place: Option<ClientPlace>,
+}
+
+/// One of [`CLIENT_COMMANDS`] places, until it is dropped.
+#[derive(Debug)]
+struct ClientPlace(Arc<AtomicUsize>);
+
+impl ClientPlace {
+    /// Takes a place. Returns `None` if all are taken.
+    fn take(taken: &Arc<AtomicUsize>) -> Option<Self> {
+        let one_more = |count: usize| (count < CLIENT_COMMANDS).then_some(count + 1);
+        taken
+            .fetch_update(Ordering::AcqRel, Ordering::Acquire, one_more)
+            .ok()?;
+        Some(Self(Arc::clone(taken)))
+    }
+}
+
+impl Drop for ClientPlace {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::AcqRel);
+    }
+}
+
 /// Sends commands to a session. Clones send to the same session.
 #[derive(Clone, Debug)]
 pub struct CommandSender {
     origin: CommandOrigin,
-    queue: Sender<QueuedCommand>,
+    queue: Sender<WaitingCommand>,
+    /// Number of places of clients that are taken.
+    client_places: Arc<AtomicUsize>,
     estimators: Sender<EstimatorSwap>,
     stop: Arc<AtomicBool>,
     is_pause_requested: Arc<AtomicBool>,
@@ -113,15 +144,23 @@ impl CommandSender {
         self.note_pause(command);
         if command == Command::Stop {
             self.stop.store(true, Ordering::Release);
-        } else if self.origin == CommandOrigin::Client && self.queue.len() >= CLIENT_COMMANDS {
-            return Err(RequestError::QueueFull);
         } else {
+            let place = if self.origin == CommandOrigin::Client {
+                let taken = ClientPlace::take(&self.client_places);
+                Some(taken.ok_or(RequestError::QueueFull)?)
+            } else {
+                None
+            };
             let queued = QueuedCommand {
                 command,
                 origin: self.origin,
                 reply,
             };
-            self.queue.try_send(queued).map_err(refusal)?;
+            let waiting = WaitingCommand {
+                queued,
+                _place: place,
+            };
+            self.queue.try_send(waiting).map_err(refusal)?;
         }
         self.waker.wake();
         Ok(())
@@ -138,7 +177,7 @@ fn refusal<T>(error: TrySendError<T>) -> RequestError {
 /// The end of the channel for the session loop.
 #[derive(Debug)]
 pub struct CommandReceiver {
-    queue: Receiver<QueuedCommand>,
+    queue: Receiver<WaitingCommand>,
     estimators: Receiver<EstimatorSwap>,
     stop: Arc<AtomicBool>,
     waker: Waker,
@@ -167,6 +206,7 @@ pub fn command_channel() -> (CommandSender, CommandReceiver) {
     let sender = CommandSender {
         origin: CommandOrigin::Client,
         queue: sender,
+        client_places: Arc::default(),
         estimators: estimator_sender,
         stop,
         is_pause_requested: Arc::default(),
@@ -208,7 +248,8 @@ impl CommandReceiver {
         self.waker.receive(|| {
             let swap = self.layouts.as_ref().and_then(LoopLayoutLink::try_swap);
             let estimator = || self.estimators.try_recv().ok().map(Message::EstimatorSwap);
-            let command = || self.queue.try_recv().ok().map(Message::Command);
+            let received = || self.queue.try_recv().ok();
+            let command = || received().map(|it| Message::Command(it.queued));
             let swap = swap.map(Message::LayoutSwap);
             swap.or_else(estimator).or_else(command)
         })
@@ -226,6 +267,13 @@ impl CommandReceiver {
             thread::park_timeout(left);
         }
         true
+    }
+}
+
+impl Drop for CommandReceiver {
+    /// Drops the commands that wait: the queue keeps them as long as there are senders, and their clients would wait for replies.
+    fn drop(&mut self) {
+        while self.queue.try_recv().is_ok() {}
     }
 }
 
@@ -256,6 +304,30 @@ mod tests {
             assert_eq!(pause, Ok(()), "{origin}");
         }
         drop(receiver);
+    }
+
+    #[test]
+    fn clients_that_send_together_take_their_places_and_no_others() {
+        let (sender, receiver) = command_channel();
+        let clients: Vec<_> = (0..4).map(|_| sender.clone()).collect();
+        let send = |client: CommandSender| {
+            move || {
+                (0..100)
+                    .filter(|_| client.send(Command::State).is_ok())
+                    .count()
+            }
+        };
+        let threads: Vec<_> = clients
+            .into_iter()
+            .map(|it| thread::spawn(send(it)))
+            .collect();
+        let sent: usize = threads.into_iter().map(|it| it.join().unwrap()).sum();
+        assert_eq!(sent, CLIENT_COMMANDS);
+        assert!(receiver.try_next().is_some());
+        assert_eq!(sender.send(Command::State), Ok(()), "a place is free again");
+        assert_eq!(sender.send(Command::State), Err(RequestError::QueueFull));
+        drop(receiver);
+        assert_eq!(sender.send(Command::State), Err(RequestError::Ended));
     }
 
     #[test]
@@ -302,6 +374,20 @@ mod tests {
         assert_eq!(sender.request(Command::State), Err(RequestError::Ended));
         session.join().unwrap();
         assert_eq!(sender.send(Command::Pause), Err(RequestError::Ended));
+    }
+
+    #[test]
+    fn a_request_that_still_waits_fails_when_the_session_ends() {
+        let (sender, receiver) = command_channel();
+        let client = sender.clone();
+        let timeout = Duration::from_secs(60);
+        let request = thread::spawn(move || client.request_with_timeout(Command::State, timeout));
+        while receiver.queue.is_empty() {
+            thread::yield_now();
+        }
+        drop(receiver);
+        assert_eq!(request.join().unwrap(), Err(RequestError::Ended));
+        drop(sender);
     }
 
     #[test]
