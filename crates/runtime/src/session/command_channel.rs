@@ -62,6 +62,37 @@ impl Drop for ClientPlace {
     }
 }
 
+/// The pauses that were requested, and those of them that a `Resume` has ended.
+///
+/// A pause is noted before and after it is queued. A `Resume` ends what was noted before it was queued, once it is. So the note of a pause
+/// behind a `Resume` in the queue stays, in whatever order their threads run; that of a pause that is just being queued may stay, too.
+#[derive(Debug, Default)]
+struct PauseNotes {
+    noted: AtomicUsize,
+    ended: AtomicUsize,
+}
+
+impl PauseNotes {
+    fn note(&self) {
+        self.noted.fetch_add(1, Ordering::SeqCst);
+    }
+
+    /// Returns the number of notes so far.
+    fn known(&self) -> usize {
+        self.noted.load(Ordering::SeqCst)
+    }
+
+    /// Ends the first `known` notes.
+    fn end(&self, known: usize) {
+        self.ended.fetch_max(known, Ordering::SeqCst);
+    }
+
+    fn is_pause_requested(&self) -> bool {
+        let ended = self.ended.load(Ordering::SeqCst);
+        self.known() > ended
+    }
+}
+
 /// Sends commands to a session. Clones send to the same session.
 #[derive(Clone, Debug)]
 pub struct CommandSender {
@@ -71,7 +102,7 @@ pub struct CommandSender {
     client_places: Arc<AtomicUsize>,
     estimators: Sender<EstimatorSwap>,
     stop: Arc<AtomicBool>,
-    is_pause_requested: Arc<AtomicBool>,
+    pauses: Arc<PauseNotes>,
     waker: Waker,
 }
 
@@ -113,23 +144,10 @@ impl CommandSender {
         })?
     }
 
-    /// Returns `true` after a pause by a signal, the panic keys or the loss of the watchdog, until a `Resume` follows. A session that ends
-    /// before it has started executes neither.
+    /// Returns `true` after a pause by a signal, the panic keys or the loss of the watchdog, also one that finds the queue full, until a
+    /// `Resume` that finds room follows. A session that ends before it has started executes neither.
     pub fn is_pause_requested(&self) -> bool {
-        self.is_pause_requested.load(Ordering::Acquire)
-    }
-
-    fn note_pause(&self, command: Command) {
-        if self.origin == CommandOrigin::Suspend {
-            // Its pause ends by itself, and it ends no other one.
-            return;
-        }
-        let is_paused = match command {
-            Command::Pause if self.origin != CommandOrigin::Client => true,
-            Command::Resume => false,
-            _ => return,
-        };
-        self.is_pause_requested.store(is_paused, Ordering::Release);
+        self.pauses.is_pause_requested()
     }
 
     /// Sends an estimator without waiting. The queue has room for one.
@@ -141,7 +159,27 @@ impl CommandSender {
 
     fn enqueue(&self, command: Command, reply: Option<ReplySender>) -> Result<(), RequestError> {
         command.check()?;
-        self.note_pause(command);
+        match command {
+            // Its pause ends by itself, and it ends no other one.
+            _ if self.origin == CommandOrigin::Suspend => self.put(command, reply),
+            Command::Pause if self.origin != CommandOrigin::Client => {
+                self.pauses.note();
+                let put = self.put(command, reply);
+                self.pauses.note();
+                put
+            }
+            Command::Resume => {
+                let known = self.pauses.known();
+                self.put(command, reply)?;
+                self.pauses.end(known);
+                Ok(())
+            }
+            _ => self.put(command, reply),
+        }
+    }
+
+    /// Puts a command into the queue, and wakes the loop.
+    fn put(&self, command: Command, reply: Option<ReplySender>) -> Result<(), RequestError> {
         if command == Command::Stop {
             self.stop.store(true, Ordering::Release);
         } else {
@@ -209,7 +247,7 @@ pub fn command_channel() -> (CommandSender, CommandReceiver) {
         client_places: Arc::default(),
         estimators: estimator_sender,
         stop,
-        is_pause_requested: Arc::default(),
+        pauses: Arc::default(),
         waker,
     };
     (sender, receiver)
@@ -346,6 +384,37 @@ mod tests {
         suspend.send(Command::Pause).unwrap();
         assert!(!sender.is_pause_requested());
         drop(receiver);
+    }
+
+    #[test]
+    fn a_resume_that_finds_no_room_ends_no_pause() {
+        let (sender, receiver) = command_channel();
+        let signal = sender.with_origin(CommandOrigin::Signal);
+        signal.send(Command::Pause).unwrap();
+        while sender.send(Command::State).is_ok() {}
+        assert_eq!(sender.send(Command::Resume), Err(RequestError::QueueFull));
+        assert!(sender.is_pause_requested());
+        while receiver.try_next().is_some() {}
+        sender.send(Command::Resume).unwrap();
+        assert!(!sender.is_pause_requested());
+    }
+
+    #[test]
+    fn a_pause_that_is_queued_behind_a_resume_is_not_ended_by_it() {
+        let pauses = PauseNotes::default();
+        // The pause is noted, the resume is queued, and then the pause.
+        pauses.note();
+        pauses.end(pauses.known());
+        pauses.note();
+        assert!(pauses.is_pause_requested());
+        pauses.end(pauses.known());
+        assert!(!pauses.is_pause_requested());
+        // The pause comes while the resume is queued.
+        let known = pauses.known();
+        pauses.note();
+        pauses.end(known);
+        pauses.note();
+        assert!(pauses.is_pause_requested());
     }
 
     #[test]
