@@ -241,6 +241,14 @@ impl SocketLock {
                 Err(TryLockError::WouldBlock) => return Err(SocketError::InUse),
                 Err(TryLockError::Error(error)) => return Err(error.into()),
             }
+            // A path that a setup of another person names must not remove `Cargo.lock`.
+            let metadata = file.metadata()?;
+            if !metadata.is_file() || metadata.len() > 0 {
+                return Err(SocketError::Other(format!(
+                    "{} is not the lock of a socket; use another path",
+                    escape_path(&path)
+                )));
+            }
             let lock = Self {
                 file,
                 path: path.clone(),
@@ -413,6 +421,17 @@ mod tests {
         let error = Listener::open(&notes).err().unwrap().to_string();
         assert!(error.contains("not a socket"), "{error}");
         assert_eq!(fs::read_to_string(&notes).unwrap(), "mine");
+    }
+
+    #[test]
+    fn a_file_with_content_beside_a_socket_is_no_lock_and_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("Cargo.lock");
+        fs::write(&file, "mine").unwrap();
+        let error = Listener::open(&folder.path().join("Cargo")).err().unwrap();
+        assert!(error.to_string().contains("is not the lock"), "{error}");
+        assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[test]
