@@ -34,6 +34,14 @@ impl DeadlineStream {
         })
     }
 
+    /// Limits reads, and each single write, to another time from now.
+    #[cfg(feature = "tls")]
+    pub(crate) fn restart_deadline(&mut self, limit: Duration) -> io::Result<()> {
+        self.stream.set_write_timeout(Some(limit))?;
+        self.deadline = Some(Instant::now() + limit);
+        Ok(())
+    }
+
     /// Removes the deadline. From now on each read and write may take up to `timeout`.
     pub(crate) fn end_deadline(&mut self, timeout: Duration) -> io::Result<()> {
         self.deadline = None;
@@ -109,6 +117,25 @@ mod tests {
         let error = stream.read(&mut [0]).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::TimedOut);
         drop(silent);
+    }
+
+    #[cfg(feature = "tls")]
+    #[test]
+    fn bytes_after_a_deadline_are_read_only_within_another_one() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let mut client = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let server = Arc::new(listener.accept().unwrap().0);
+        let mut stream = DeadlineStream::new(server, Duration::from_millis(1)).unwrap();
+        let error = stream.read(&mut [0]).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::TimedOut);
+        while stream.deadline.is_some_and(|end| Instant::now() < end) {
+            thread::yield_now();
+        }
+        client.write_all(b"ab").unwrap();
+        let late = stream.read(&mut [0]).unwrap_err();
+        assert_eq!(late.kind(), ErrorKind::TimedOut);
+        stream.restart_deadline(Duration::from_secs(60)).unwrap();
+        assert_eq!(stream.read(&mut [0]).unwrap(), 1);
     }
 
     #[test]

@@ -177,8 +177,8 @@ impl Shared {
         };
         stream.write_all(&answer)?;
         stream.flush()?;
-        // The first message has a deadline of its own.
-        stream.sock.end_deadline(POLL_INTERVAL)?;
+        // The first message has a deadline of its own, however slowly its bytes and the records of TLS arrive.
+        stream.sock.restart_deadline(HELLO_TIMEOUT)?;
         let stream = MessageStream::new(stream);
         let socket =
             WebSocket::from_partially_read(stream, rest, Role::Server, Some(socket_config()));
@@ -231,6 +231,8 @@ impl Shared {
         let deadline = Instant::now() + HELLO_TIMEOUT;
         while Instant::now() < deadline && !self.is_stopped() {
             if let Some(message) = receiver.next().ok()? {
+                let stream = receiver.socket_mut().get_mut().stream_mut();
+                stream.sock.end_deadline(POLL_INTERVAL).ok()?;
                 return Hello::parse(&message);
             }
         }
