@@ -18,6 +18,9 @@ const MAX_CLIENTS: usize = 32;
 /// Longest time for a write, and for the rest of what a client sends.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
+/// Fewest bytes of an answer that a client reads in a second, after [`TIMEOUT`]: a slow tunnel to another machine carries more.
+const MIN_BYTES_PER_SECOND: u64 = 1 << 16;
+
 /// Longest time for one read of a request.
 const READ_INTERVAL: Duration = Duration::from_millis(50);
 
@@ -70,7 +73,6 @@ fn serve(stream: TcpStream, address: SocketAddr, pages: &Pages, clients: &Arc<At
 
 fn answer(mut stream: TcpStream, mut head: Head) -> io::Result<()> {
     stream.set_read_timeout(Some(READ_INTERVAL))?;
-    stream.set_write_timeout(Some(TIMEOUT))?;
     let answer = loop {
         match head.receive(&mut stream) {
             Ok(Some(answer)) => break answer,
@@ -78,10 +80,29 @@ fn answer(mut stream: TcpStream, mut head: Head) -> io::Result<()> {
             Err(_) => return Ok(()),
         }
     };
-    stream.write_all(&answer.bytes)?;
+    let time = TIMEOUT + Duration::from_secs(answer.bytes.len() as u64 / MIN_BYTES_PER_SECOND);
+    write_by(&mut stream, &answer.bytes, Instant::now() + time)?;
     stream.shutdown(std::net::Shutdown::Write)?;
     // The rest is read, or closing the connection would take the end of the answer back.
     read_rest(&mut stream, Instant::now() + TIMEOUT)
+}
+
+/// Writes all bytes, each part within [`TIMEOUT`]. Fails at the deadline: however slowly a client reads, its place becomes free.
+fn write_by(stream: &mut TcpStream, mut bytes: &[u8], deadline: Instant) -> io::Result<()> {
+    while !bytes.is_empty() {
+        let left = deadline.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(ErrorKind::TimedOut.into());
+        }
+        stream.set_write_timeout(Some(left.min(TIMEOUT)))?;
+        match stream.write(bytes) {
+            Ok(0) => return Err(ErrorKind::WriteZero.into()),
+            Ok(count) => bytes = &bytes[count..],
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
 }
 
 /// Reads until the client closes the connection, or until the deadline: however a client spreads its bytes, its place becomes free.
@@ -96,5 +117,28 @@ fn read_rest(stream: &mut TcpStream, deadline: Instant) -> io::Result<()> {
         if stream.read(&mut rest)? == 0 {
             return Ok(());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_is_written_whole_but_not_beyond_its_deadline() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let mut client = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let mut server = listener.accept().unwrap().0;
+        let late = write_by(&mut server, b"late", Instant::now()).unwrap_err();
+        assert_eq!(late.kind(), ErrorKind::TimedOut);
+
+        let answer = vec![b'x'; 1 << 24];
+        let length = answer.len();
+        let deadline = Instant::now() + Duration::from_secs(60);
+        let writer = thread::spawn(move || write_by(&mut server, &answer, deadline));
+        let mut received = Vec::new();
+        client.read_to_end(&mut received).unwrap();
+        writer.join().unwrap().unwrap();
+        assert_eq!(received.len(), length);
     }
 }
