@@ -1,10 +1,19 @@
 //! The check of the OpenXR runtime, which the source `openxr:` reads.
 
+use std::time::Duration;
+
+use super::time_limit::probe_within;
 use super::{CheckStatus, Finding};
 use crate::capture::SourceUri;
 use crate::capture::transport::{HAS_OPENXR, describe_runtime};
 use crate::setup::Setup;
 use ademan_core::message::escape_line;
+
+/// Longest time in which a runtime answers. It may have to start its service first.
+const TIMEOUT: Duration = Duration::from_secs(10);
+
+/// The remedy for a runtime that does not answer.
+const REMEDY: &str = "end it and start it again";
 
 /// Checks that an OpenXR runtime answers and that its headset tracks hands, without starting a session. Returns `None` if neither
 /// the setup nor this build uses one.
@@ -13,7 +22,8 @@ pub fn check_headset(setup: &Setup) -> Option<Finding> {
     if !needed && !HAS_OPENXR {
         return None;
     }
-    let (status, text) = match describe_runtime() {
+    let described = probe_within(TIMEOUT, "the OpenXR runtime", REMEDY, describe_runtime);
+    let (status, text) = match described {
         Ok(runtime) => (CheckStatus::Ok, format!("{runtime} tracks hands")),
         Err(error) => (CheckStatus::Missing, error),
     };

@@ -11,6 +11,7 @@ mod headset;
 mod panic_keys;
 mod probe;
 mod source;
+mod time_limit;
 
 pub use checks::check;
 pub use facts::{
