@@ -176,6 +176,26 @@ fn a_movement_joins_its_postures_and_no_bone_shrinks_on_the_way() {
 }
 
 #[test]
+fn a_file_of_attributes_or_landmarks_is_named_on_standard_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = &vectors()[0];
+    let pose = file(&folder, "pose.json", case["half_pose"].to_string());
+    let path = |name: &str| text(&folder.path().join(name)).to_owned();
+    let (attributes, poses) = (path("attributes.jsonl"), path("poses.jsonl"));
+    for (action, from, to) in [
+        ("attributes", &pose, &attributes),
+        ("landmarks", &attributes, &poses),
+    ] {
+        let ended = run(["arm", action, from.as_str(), "--output", to.as_str()]).done();
+        assert_eq!(
+            (ended.out, ended.err),
+            (String::new(), format!("wrote {to}\n"))
+        );
+        assert_eq!(lines(&std::fs::read_to_string(to).unwrap()).len(), 1);
+    }
+}
+
+#[test]
 fn missing_landmarks_cost_only_the_attributes_that_need_them() {
     let case = &vectors()[0];
     let folder = tempfile::tempdir().unwrap();

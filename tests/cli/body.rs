@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::{file, run};
+use crate::{file, run, text};
 
 fn vectors() -> Vec<Value> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/tpose_angles.json");
@@ -248,6 +248,25 @@ fn fitted_bones_have_one_length_in_every_pose() {
     };
     assert!(spread(&[]).iter().all(|spread| *spread > 5e-4));
     assert!(spread(&["--fit"]).iter().all(|spread| *spread < 1e-9));
+}
+
+#[test]
+fn a_file_that_is_written_is_named_on_standard_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let poses = file(&folder, "poses.jsonl", vectors()[0]["points"].to_string());
+    let path = |name: &str| text(&folder.path().join(name)).to_owned();
+    let (angles, positions) = (path("angles.jsonl"), path("positions.jsonl"));
+    for (action, from, to) in [
+        ("angles", &poses, &angles),
+        ("positions", &angles, &positions),
+    ] {
+        let ended = run(["body", action, from.as_str(), "--output", to.as_str()]).done();
+        assert_eq!(
+            (ended.out, ended.err),
+            (String::new(), format!("wrote {to}\n"))
+        );
+        assert_eq!(lines(&std::fs::read_to_string(to).unwrap()).len(), 1);
+    }
 }
 
 #[test]

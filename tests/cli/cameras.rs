@@ -77,6 +77,8 @@ fn a_wand_calibrates_cameras_whose_marks_are_then_markers() {
     ] {
         let path = folder.path().join(name);
         let calibrated = calibrate(&wand, &path).done();
+        let wrote = format!("wrote {}\n", path.display());
+        assert!(calibrated.err.starts_with(&wrote), "{}", calibrated.err);
         assert!(
             calibrated.err.contains("cam2: 160 marks, median error 0.0"),
             "{}",
@@ -92,8 +94,11 @@ fn a_wand_calibrates_cameras_whose_marks_are_then_markers() {
             ("RightForeArm", DVec3::new(0.3, -0.1, 0.2)),
         ];
         let seen = file(&folder, "seen.jsonl", line(&exact, &marks));
-        let lines = run(["cameras", "lines", &seen, "--cameras", text(&path)]).done();
-        let lines = file(&folder, "lines.jsonl", &lines.out);
+        let lines = folder.path().join(format!("{name}.jsonl"));
+        let lines = text(&lines);
+        let from = ["cameras", "lines", &seen, "--cameras", text(&path)];
+        let printed = run(from.into_iter().chain(["--output", lines])).done();
+        assert_eq!(printed.err, format!("wrote {lines}\n"));
         let source = format!("file:{lines}?protocol=markers");
         let readings = run(["trace", "readings", "--source", &source]).done();
         let reading: serde_json::Value = serde_json::from_str(readings.out.trim()).unwrap();

@@ -146,7 +146,7 @@ fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
             writeln!(out, "{}", json(line))?;
         }
     }
-    out.flush()?;
+    args.output.finish(out)?;
     if args.check {
         say!(
             "{} poses; the positions that the angles give differ by {largest:.1e} at most",
@@ -195,7 +195,7 @@ fn print_positions(args: &PositionsArgs) -> Result<(), Failure> {
     for line in lines {
         writeln!(out, "{line}")?;
     }
-    Ok(out.flush()?)
+    args.output.finish(out)
 }
 
 /// Parses a line of angles.

@@ -55,5 +55,5 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             writeln!(out, "{}", line.json())?
         }
     }
-    Ok(out.flush()?)
+    args.output.finish(out)
 }

@@ -33,5 +33,5 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     for line in lines {
         writeln!(out, "{line}")?;
     }
-    Ok(out.flush()?)
+    args.output.finish(out)
 }

@@ -135,7 +135,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let time_us = (index as f64 * 1e6 / rate_hz).round() as u64;
         writeln!(out, "{}", json!({"time_us": time_us, "cameras": views}))?;
     }
-    out.flush()?;
+    args.output.finish(out)?;
     for reader in &mut readers {
         reader.finish();
         reader.report.say(&reader.name);

@@ -174,6 +174,7 @@ fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
             escape_path(&args.output)
         ))
     })?;
+    say!("wrote {}", escape_path(&args.output));
     report(&calibration);
     Ok(())
 }
@@ -209,7 +210,7 @@ fn print_lines(args: &LinesArgs) -> Result<(), Failure> {
         };
         writeln!(out, "{line}")?;
     }
-    Ok(out.flush()?)
+    args.output.finish(out)
 }
 
 /// Returns what a calibrated camera sees for `protocol=markers`, without the distortion of its lens.
