@@ -97,10 +97,14 @@ impl Setup {
     }
 
     /// Returns the text of a setup file at `path`: source, glove and layout. A file beside it is named without its folder, and one
-    /// elsewhere by its whole path, as the names of a setup start in its folder.
+    /// elsewhere and a source by their whole paths, as the names of a setup start in its folder.
     pub fn first_text(&self, path: &Path) -> String {
         let mut fields = Vec::new();
-        if let Some(source) = &self.source {
+        let mut whole = self.clone();
+        if let Ok(working_folder) = absolute(".") {
+            whole.start_sources_in(&working_folder);
+        }
+        if let Some(source) = &whole.source {
             fields.push(format!("source: {:?}", source.to_string()));
         }
         if let Some(glove) = &self.glove {
@@ -233,5 +237,12 @@ mod tests {
                 assert!(text.contains(&line), "{name}: {text}");
             }
         }
+        let setup = Setup {
+            source: "file:src/lib.rs?protocol=text-line".parse().ok(),
+            ..Setup::default()
+        };
+        let text = setup.first_text(path);
+        let start = format!("    source: \"file:{here}?");
+        assert!(text.contains(&start), "{text}");
     }
 }

@@ -346,6 +346,7 @@ impl Setup {
         for (kind, name) in setup.file_names() {
             *name = Document::resolve(folder, kind, name)?;
         }
+        setup.start_sources_in(folder);
         if let Some(text) = &mut setup.text {
             let model = Some(&mut text.language).filter(|name| Language::is_file(name));
             for name in model.into_iter().chain(&mut text.learned) {

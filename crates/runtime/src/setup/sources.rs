@@ -1,5 +1,7 @@
 //! The sources of a setup: the hand, or part of a hand, that each measures, and its permissions.
 
+use std::path::Path;
+
 use arrayvec::ArrayVec;
 
 use super::{LoadedSetup, Setup, SetupError};
@@ -8,6 +10,7 @@ use crate::capture::{
     self, Hc11Format, MAX_SOURCES, MergedSource, PartialSource, SidedSource, Source, SourceUri,
 };
 use crate::network::{self, TokenRole, tokens};
+use crate::sim::resolve_script;
 use ademan_core::hand::{HandPart, Side};
 use ademan_core::message::escape;
 use ademan_core::pipeline::{SourcePermissions, SourceRole};
@@ -48,6 +51,29 @@ impl Setup {
             use_token_role(&other.arm_source, &mut other.arm_role)?;
         }
         Ok(())
+    }
+
+    /// Makes the relative paths of recordings, files of bytes and scripts start in `folder`.
+    pub(super) fn start_sources_in(&mut self, folder: &Path) {
+        let other = self.other_hand.as_mut();
+        let of_other = other.map(|hand| [&mut hand.source, &mut hand.arm_source]);
+        let own = [&mut self.source, &mut self.arm_source];
+        let sources = own.into_iter().chain(of_other.into_iter().flatten());
+        for source in sources.flatten() {
+            start_in(folder, source);
+        }
+    }
+}
+
+fn start_in(folder: &Path, source: &mut SourceUri) {
+    match source {
+        SourceUri::Recording { path } => *path = folder.join(path.as_path()),
+        SourceUri::Stream(stream) if stream.transport.scheme.name == "file" => {
+            let path = folder.join(&stream.address);
+            stream.address = path.to_string_lossy().into_owned();
+        }
+        SourceUri::Script { script } => *script = resolve_script(folder, script),
+        SourceUri::Stream(_) | SourceUri::Typist { .. } => {}
     }
 }
 
@@ -363,5 +389,46 @@ impl LoadedSetup {
                 }
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn relative_paths_of_sources_start_in_the_folder_of_the_setup() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("setup.ron");
+        std::fs::write(folder.path().join("lift.txt"), "lift").unwrap();
+        let there = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+        for (written, expected) in [
+            (
+                "recording:days/one.mcap",
+                format!("recording:{}", there("days/one.mcap")),
+            ),
+            (
+                "file:hand.bvh?protocol=bvh",
+                format!("file:{}?protocol=bvh", there("hand.bvh")),
+            ),
+            ("script:wave", format!("script:{}", there("wave"))),
+            ("script:lift.txt", format!("script:{}", there("lift.txt"))),
+            (
+                "recording:/days/one.mcap",
+                "recording:/days/one.mcap".into(),
+            ),
+            ("script:tap A; lift", "script:tap A; lift".into()),
+            ("script:lift", "script:lift".into()),
+            ("typist:one.mcap", "typist:one.mcap".into()),
+        ] {
+            let text = format!(
+                "Setup(source: {written:?}, other_hand: (source: {written:?}), arm_source: {written:?})"
+            );
+            std::fs::write(&path, text).unwrap();
+            let setup = Setup::load(path.to_str().unwrap()).unwrap();
+            let sources: Vec<SourceUri> = setup.source_uris().cloned().collect();
+            let expected: SourceUri = expected.parse().unwrap();
+            assert_eq!(sources, [expected.clone(), expected.clone(), expected]);
+        }
     }
 }

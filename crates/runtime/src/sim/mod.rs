@@ -10,5 +10,6 @@ mod stream;
 
 pub use ademan_lab::sim::*;
 pub use open_script::open_script;
+pub(crate) use open_script::resolve_script;
 pub use player::{PacketWriters, PlaybackStats, play};
 pub use stream::{SimulatedStream, packet_period};
