@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use ademan_core::capture::protocol::{Decoder, Packet, Protocol, bvh, hand_landmarks, joint_sets};
-use ademan_core::capture::{Reading, StreamFormat};
+use ademan_core::capture::{RESTART_PAUSE, Reading, StreamFormat};
 use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::{Layout, Person};
 use ademan_core::time::Timestamp;
@@ -32,9 +32,6 @@ const MAX_WAITING: usize = 200_000;
 
 /// The longest delay that readings of a sensor that measures now keep, in microseconds: pages draw at 60 Hz.
 const MAX_DELAY_US: i64 = 100_000;
-
-/// Pause before the readings of a sender that has started again, in a file.
-const RESTART_PAUSE: Duration = Duration::from_secs(1);
 
 /// Returns the format of a name such as `hand-landmarks?mirrored=yes&view_deg=70`.
 fn format_of(text: &str) -> Result<StreamFormat, String> {

@@ -10,6 +10,8 @@ pub mod feedback;
 pub mod markers;
 pub mod protocol;
 
+use std::time::Duration;
+
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +26,9 @@ pub use protocol::{InvalidPacket, InvalidPackets, PositionNoise, StreamFormat};
 
 /// Largest number of channels in a reading: the eight converters of the HC11 glove have eight inputs each.
 pub const MAX_CHANNELS: usize = 64;
+
+/// Pause before the readings of a sender that has started again, in a file: longer than the stall timeout unless the setup says otherwise.
+pub const RESTART_PAUSE: Duration = Duration::from_secs(1);
 
 /// Sensor values at one moment.
 ///

@@ -2,11 +2,9 @@
 
 use std::time::{Duration, Instant};
 
+use super::RESTART_PAUSE;
 use super::protocol::StreamFormat;
 use ademan_core::time::Timestamp;
-
-/// Pause before the readings of a sender that has started again: longer than the stall timeout unless the setup says otherwise.
-const RESTART_PAUSE: Duration = Duration::from_secs(1);
 
 /// Latest time of a packet that is followed, in microseconds: 285 years. Later packets are a microsecond apart.
 const LATEST: Timestamp = Timestamp(1 << 53);
