@@ -145,7 +145,7 @@ impl CommandSender {
     }
 
     /// Returns `true` after a pause by a signal, the panic keys or the loss of the watchdog, also one that finds the queue full, until a
-    /// `Resume` that finds room follows. A session that ends before it has started executes neither.
+    /// `Resume` or `TogglePause` that finds room follows. A session that ends before it has started, or has ended, executes none of them.
     pub fn is_pause_requested(&self) -> bool {
         self.pauses.is_pause_requested()
     }
@@ -168,7 +168,8 @@ impl CommandSender {
                 self.pauses.note();
                 put
             }
-            Command::Resume => {
+            // The second one ends a pause that is noted, or requests one of a client, which is not.
+            Command::Resume | Command::TogglePause => {
                 let known = self.pauses.known();
                 self.put(command, reply)?;
                 self.pauses.end(known);
@@ -383,7 +384,12 @@ mod tests {
         assert!(!sender.is_pause_requested());
         suspend.send(Command::Pause).unwrap();
         assert!(!sender.is_pause_requested());
+        signal.send(Command::Pause).unwrap();
+        sender.send(Command::TogglePause).unwrap();
+        assert!(!sender.is_pause_requested());
         drop(receiver);
+        assert!(signal.send(Command::Pause).is_err());
+        assert!(sender.is_pause_requested(), "the session has ended");
     }
 
     #[test]

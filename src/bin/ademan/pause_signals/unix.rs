@@ -64,16 +64,19 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
         // An emergency stop does not wait for other programs.
         priority::raise_thread_priority();
         for signal in &mut signals {
-            let Some(session) = lock_session().clone() else {
+            let session = lock_session();
+            let Some(current) = session.as_ref() else {
                 continue;
             };
-            match signal {
-                SIGUSR1 => {
-                    let pause = session.with_origin(CommandOrigin::Signal);
-                    let _ = pause.send(Command::Pause);
-                }
-                _ => suspend(&session.with_origin(CommandOrigin::Suspend), &last),
+            if signal == SIGUSR1 {
+                // Before another session takes its place, which starts paused if this one was to be paused.
+                let pause = current.with_origin(CommandOrigin::Signal);
+                let _ = pause.send(Command::Pause);
+                continue;
             }
+            let suspended = current.with_origin(CommandOrigin::Suspend);
+            drop(session);
+            suspend(&suspended, &last);
         }
     };
     let thread = thread::Builder::new().name("signals".into());

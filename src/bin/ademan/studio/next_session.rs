@@ -36,8 +36,9 @@ pub(super) struct Shown {
 }
 
 impl Pending {
-    /// Starts a session, which opens its source and outputs on a thread of its own.
-    pub fn launch(next: Next, is_paused: bool) -> Result<Self, Failure> {
+    /// Starts a session, which opens its source and outputs on a thread of its own. `is_paused` is asked when signals reach it: an earlier
+    /// one has paused the session before.
+    pub fn launch(next: Next, is_paused: impl FnOnce() -> bool) -> Result<Self, Failure> {
         let shown = Shown {
             base: next.base,
             hand: next.hand,
@@ -45,7 +46,7 @@ impl Pending {
             headset: headset_link(&next.loaded)?,
         };
         let session = launch(next.loaded, next.options)?;
-        if is_paused {
+        if is_paused() {
             // Queued before the first reading, which arms the output of a setup with `arm_immediately`. A session that has ended
             // receives nothing.
             let _ = session.commands().send(Command::Pause);

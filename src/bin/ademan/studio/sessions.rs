@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use ademan::command::Command;
 use ademan::output;
-use ademan::session::SessionHandle;
+use ademan::session::{CommandSender, Reply, SessionHandle};
 use ademan::setup::Setup;
 use ademan::studio::first_start::Answers;
 use ademan::studio::setup_change::SetupChange;
@@ -99,15 +99,28 @@ impl Sessions {
         let next = Next::load(setup, &before.output)?;
         next.check_devices(&before)?;
         self.root.check(output::has_effect(&next.base.output))?;
-        self.end_present();
-        let back = (before, is_paused);
-        match Pending::launch(next, is_paused || needs_resume) {
+        // The checks take time, in which the session may have been paused.
+        let was_paused = is_paused || self.is_paused();
+        let ended = self.end_present();
+        let is_paused_now = || was_paused || is_pause_requested(ended.as_ref());
+        let launched = Pending::launch(next, || is_paused_now() || needs_resume);
+        let back = (before, is_paused_now());
+        match launched {
             Ok(pending) => {
                 let back = Some(back);
                 self.wait(Pending { back, ..pending }, START_TIMEOUT)
             }
-            Err(failure) => self.go_back(back, failure.to_string()),
+            Err(failure) => self.go_back(back, ended.as_ref(), failure.to_string()),
         }
+    }
+
+    /// Returns `true` if the session runs and is paused.
+    fn is_paused(&self) -> bool {
+        let running = self.running.borrow();
+        running.as_ref().is_some_and(|session| {
+            let reply = session.commands().request(Command::State);
+            matches!(reply, Ok(Reply::State(status)) if status.paused_by.is_some())
+        })
     }
 
     /// Returns the program for the pending session once that has started.
@@ -132,14 +145,17 @@ impl Sessions {
         self.wait(pending, PICTURE_TIMEOUT)
     }
 
-    /// Starts a session on the setup before, which shows why the change does not apply.
+    /// Starts a session on the setup before, which shows why the change does not apply. Panic keys and signals may have paused the session
+    /// that has `ended`.
     fn go_back(
         &self,
         (before, is_paused): (Setup, bool),
+        ended: Option<&CommandSender>,
         reason: String,
     ) -> Result<Option<StudioApp>, Failure> {
         let written = before.output.clone();
-        let pending = Pending::launch(Next::load(before, &written)?, is_paused)?;
+        let next = Next::load(before, &written)?;
+        let pending = Pending::launch(next, || is_paused || is_pause_requested(ended))?;
         let refusal = Some(reason);
         self.wait(Pending { refusal, ..pending }, START_TIMEOUT)
     }
@@ -159,11 +175,7 @@ impl Sessions {
         };
         match (shown, back) {
             (Ok(app), _) => Ok(Some(app)),
-            (Err(failure), Some((before, is_paused))) => {
-                // Panic keys and signals have paused the session that ends here.
-                let is_paused = is_paused || commands.is_pause_requested();
-                self.go_back((before, is_paused), failure.to_string())
-            }
+            (Err(failure), Some(back)) => self.go_back(back, Some(&commands), failure.to_string()),
             (Err(failure), None) => Err(failure),
         }
     }
@@ -180,22 +192,27 @@ impl Sessions {
         })
     }
 
-    /// Ends the session, if it has not ended, and releases everything.
-    fn end_present(&self) {
-        let Some(session) = self.take() else {
-            return;
-        };
+    /// Ends the session, if it has not ended, and releases everything. Returns its commands, which note a pause that comes too late.
+    fn end_present(&self) -> Option<CommandSender> {
+        let session = self.take()?;
+        let commands = session.commands().clone();
         // A session that has ended receives nothing.
-        let _ = session.commands().send(Command::Stop);
+        let _ = commands.send(Command::Stop);
         if let Err(error) = session.join() {
             complain!("{error}");
         }
+        Some(commands)
     }
 
     fn replace(&self, setup: Setup, session: SessionHandle) {
         *self.setup.borrow_mut() = setup;
         *self.running.borrow_mut() = Some(session);
     }
+}
+
+/// Returns `true` if panic keys or a signal have asked a session to pause, also after its end.
+fn is_pause_requested(ended: Option<&CommandSender>) -> bool {
+    ended.is_some_and(CommandSender::is_pause_requested)
 }
 
 /// Waits for the end of a session that the window does not show, and returns the reason.
@@ -229,7 +246,7 @@ mod tests {
             ..setup
         };
         let next = Next::load(setup, "").expect("a setup that comes with the program");
-        let pending = Pending::launch(next, false).expect("a session");
+        let pending = Pending::launch(next, || false).expect("a session");
         started(&sessions, sessions.wait(pending, START_TIMEOUT)).expect("a session that runs");
         sessions
     }
@@ -302,6 +319,9 @@ mod tests {
         let sessions = sessions();
         for change in [None, Some(other("typist:8462"))] {
             if let Some(change) = &change {
+                let commands = sessions.program(|session| Ok(session.commands().clone()));
+                let commands = commands.expect("a session");
+                commands.send(Command::Resume).expect("it runs");
                 changed(&sessions, change, false).expect("another session");
             }
             let viewer = sessions.program(|session| Ok(session.add_viewer()));
@@ -383,6 +403,29 @@ mod tests {
     }
 
     #[test]
+    fn a_pause_that_the_window_does_not_show_yet_is_for_the_next_session() {
+        let sessions = sessions();
+        let commands = sessions.program(|session| Ok(session.commands().clone()));
+        let commands = commands.expect("a session");
+        commands.send(Command::Pause).expect("it runs");
+        let change = SetupChange::Layout("arrows".into());
+        changed(&sessions, &change, false).expect("another session");
+        assert_eq!(first_view(&sessions).state.state, PipelineState::Paused);
+    }
+
+    #[test]
+    fn a_signal_after_the_end_of_a_session_pauses_the_next_one() {
+        let sessions = sessions();
+        let before = sessions.setup.borrow().clone();
+        let ended = sessions.end_present().expect("a session");
+        let signal = ended.with_origin(CommandOrigin::Signal);
+        assert!(signal.send(Command::Pause).is_err(), "no session runs");
+        let opened = sessions.go_back((before, false), Some(&ended), "a reason".into());
+        started(&sessions, opened).expect("the session before");
+        assert_eq!(first_view(&sessions).state.state, PipelineState::Paused);
+    }
+
+    #[test]
     fn another_source_replaces_the_session() {
         let sessions = sessions();
         let first = sessions.program(|session| Ok(session.commands().clone()));
@@ -402,7 +445,7 @@ mod tests {
             ..sessions.setup.borrow().clone()
         };
         let next = Next::load(setup, "").expect("a setup");
-        let launched = Pending::launch(next, false).expect("a session");
+        let launched = Pending::launch(next, || false).expect("a session");
         Pending {
             back: back.map(|before| (before, false)),
             ..launched
