@@ -1,4 +1,4 @@
-//! The pages of the first start: the source, the hand, the layout, and the start. They ask what `ademan start` asks.
+//! The pages of the first start: the source, the hand, the layout, and the start. They ask and propose what `ademan start` does.
 
 mod search;
 
@@ -53,11 +53,53 @@ pub static LAYOUTS: LazyLock<Vec<LayoutChoice>> = LazyLock::new(|| {
     shipped_layouts().filter_map(choice).collect()
 });
 
+/// The mirror image of a layout that comes with the program. It is no file yet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MirroredLayout {
+    /// Name of the layout that is mirrored.
+    pub original: &'static str,
+    /// Text of the file.
+    pub text: String,
+}
+
+impl MirroredLayout {
+    /// Returns its name in the list of layouts.
+    pub fn name(&self) -> String {
+        format!("{}-left", self.original)
+    }
+}
+
+/// The layout that is proposed for a source and a hand.
+struct Proposal {
+    /// The source and the hand.
+    of: Setup,
+    name: String,
+    mirrored: Option<MirroredLayout>,
+}
+
+impl Proposal {
+    fn new(of: Setup) -> Result<Self, SetupError> {
+        // Nothing is written for the simulated hand.
+        let mirrored = match &of.source {
+            Some(_) => of.mirrored_layout()?,
+            None => None,
+        };
+        let mirrored = mirrored.map(|(original, text)| MirroredLayout { original, text });
+        let name = match &mirrored {
+            Some(mirrored) => mirrored.name(),
+            None => of.proposed_layout()?.to_owned(),
+        };
+        Ok(Self { of, name, mirrored })
+    }
+}
+
 /// The answers of the first start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answers {
     /// Source, glove and layout. A setup without a source is for the simulated hand.
     pub setup: Setup,
+    /// The layout, if a file of it is to be written before the session starts.
+    pub mirrored: Option<MirroredLayout>,
     /// The setup is written to the configuration folder.
     pub is_kept: bool,
     /// The session starts with the calibration of the glove.
@@ -73,8 +115,8 @@ pub struct FirstStart {
     side: Side,
     /// The chosen layout.
     layout: Option<String>,
-    /// The proposed layout, and the source and hand that it is for.
-    proposal: Option<(Setup, String)>,
+    /// The latest proposal.
+    proposal: Option<Proposal>,
     is_kept: bool,
     is_calibrated: bool,
     /// Reason why the session has not started.
@@ -164,17 +206,29 @@ impl FirstStart {
 
     /// Chooses a layout by its name.
     pub fn choose_layout(&mut self, name: &str) {
-        self.layout = Some(name.to_owned());
+        // With another hand there is no layout of this name.
+        let is_mirrored = self.mirrored().is_some_and(|it| it.name() == name);
+        self.layout = (!is_mirrored).then(|| name.to_owned());
     }
 
     /// Returns the proposed layout for the source and the hand.
     pub fn proposal(&mut self) -> Result<&str, SetupError> {
+        Ok(&self.find_proposal()?.name)
+    }
+
+    /// Returns the proposed layout if it is the mirror image of another one.
+    pub fn mirrored(&mut self) -> Option<&MirroredLayout> {
+        self.find_proposal().ok()?.mirrored.as_ref()
+    }
+
+    fn find_proposal(&mut self) -> Result<&Proposal, SetupError> {
         let setup = Setup::for_hand(self.source().cloned(), self.side, None);
-        if self.proposal.as_ref().is_none_or(|(of, _)| *of != setup) {
-            let name = setup.proposed_layout()?.to_owned();
-            self.proposal = Some((setup, name));
-        }
-        Ok(self.proposal.as_ref().map_or("", |(_, name)| name))
+        let latest = self.proposal.take().filter(|it| it.of == setup);
+        let proposal = match latest {
+            Some(proposal) => proposal,
+            None => Proposal::new(setup)?,
+        };
+        Ok(self.proposal.insert(proposal))
     }
 
     /// Returns the layout: the chosen one, or the proposal.
@@ -200,11 +254,13 @@ impl FirstStart {
         self.source().is_some_and(SourceUri::needs_glove)
     }
 
-    /// Returns all answers, with proposals in place of those that are missing.
+    /// Returns all answers, with proposals in place of those that are missing. The setup names a mirrored layout by its name in the list.
     pub fn answers(&mut self) -> Result<Answers, SetupError> {
         let mut setup = Setup::for_hand(self.source().cloned(), self.side, None);
         setup.layout = self.layout()?;
+        let mirrored = self.mirrored().filter(|it| it.name() == setup.layout);
         Ok(Answers {
+            mirrored: mirrored.cloned(),
             is_kept: self.is_kept && setup.source.is_some(),
             is_calibrated: self.is_calibrated && self.needs_glove(),
             setup,
@@ -215,6 +271,7 @@ impl FirstStart {
     pub fn skipped() -> Answers {
         Answers {
             setup: Setup::default(),
+            mirrored: None,
             is_kept: false,
             is_calibrated: false,
         }
@@ -262,13 +319,21 @@ mod tests {
         first.choose_side(Side::Left);
         let answers = first.answers().unwrap();
         assert_eq!(answers.setup.glove.as_deref(), Some("unam-hc11-left"));
-        assert_eq!(answers.setup.layout, "chords-bend");
+        assert_eq!(answers.setup.layout, "qwerty-flat-left");
+        let mirrored = answers.mirrored.expect("a new layout");
+        assert_eq!(mirrored.original, "qwerty-flat");
+        assert!(mirrored.text.contains("hand: \"left\""));
         assert!(answers.is_kept && answers.is_calibrated);
+        first.choose_layout("qwerty-flat-left");
+        first.choose_side(Side::Right);
+        assert_eq!(first.layout().unwrap(), "qwerty-flat");
+        first.choose_side(Side::Left);
         *first.is_kept() = false;
         first.choose_layout("numpad");
         let changed = first.answers().unwrap();
         assert!(!changed.is_kept);
         assert_eq!(changed.setup.layout, "numpad");
+        assert_eq!(changed.mirrored, None);
     }
 
     #[test]

@@ -158,15 +158,29 @@ fn show_layouts(ui: &mut egui::Ui, first: &mut FirstStart) {
     let is_proposal = |name: &str| name == proposal;
     let (proposed, others): (Vec<_>, Vec<_>) =
         LAYOUTS.iter().partition(|layout| is_proposal(&layout.name));
-    for layout in proposed.into_iter().chain(others) {
-        ui.horizontal(|ui| {
-            let name = large(&layout.name);
-            if ui.radio(layout.name == chosen, name).clicked() {
-                first.choose_layout(&layout.name);
-            }
-            ui.add(egui::Label::new(&layout.description).truncate());
-        });
+    if let Some(mirrored) = first.mirrored().cloned() {
+        let values = [("layout", mirrored.original.into())];
+        let description = text_with("first-mirrored", &values);
+        show_layout(ui, first, &mirrored.name(), &description, &chosen);
     }
+    for layout in proposed.into_iter().chain(others) {
+        show_layout(ui, first, &layout.name, &layout.description, &chosen);
+    }
+}
+
+fn show_layout(
+    ui: &mut egui::Ui,
+    first: &mut FirstStart,
+    name: &str,
+    description: &str,
+    chosen: &str,
+) {
+    ui.horizontal(|ui| {
+        if ui.radio(name == chosen, large(name)).clicked() {
+            first.choose_layout(name);
+        }
+        ui.add(egui::Label::new(description).truncate());
+    });
 }
 
 fn show_summary(ui: &mut egui::Ui, first: &mut FirstStart) {

@@ -574,6 +574,7 @@ first-hand-words = The hand that is measured:
 first-right = Right hand
 first-left = Left hand
 first-layout-words = Proposed for this sensor and hand: { $layout }
+first-mirrored = Mirror image of { $layout }, in a file of its own
 first-summary-source = Source
 first-summary-hand = Hand
 first-summary-layout = Layout

@@ -574,6 +574,7 @@ first-hand-words = La mano que se mide:
 first-right = Mano derecha
 first-left = Mano izquierda
 first-layout-words = Propuesta para este sensor y esta mano: { $layout }
+first-mirrored = Imagen reflejada de { $layout }, en un archivo propio
 first-summary-source = Fuente
 first-summary-hand = Mano
 first-summary-layout = Distribución

@@ -27,7 +27,7 @@ impl Chosen {
     }
 
     /// Returns the mirror image of a layout, in a file beside the setup. A file that is there stays as it is.
-    fn mirrored((name, text): (&str, String), beside: &Path) -> Result<Self, Failure> {
+    pub fn mirrored((name, text): (&str, String), beside: &Path) -> Result<Self, Failure> {
         let path = beside.with_file_name(format!("{name}-left.ron"));
         let file = path.to_string_lossy().into_owned();
         if path.exists() {

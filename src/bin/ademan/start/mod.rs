@@ -1,6 +1,6 @@
 //! `ademan start`: the first start, step by step: the source, the hand, the layout, the calibration, the setup file and a practice line.
 
-mod layout;
+pub mod layout;
 mod question;
 mod source;
 

@@ -7,7 +7,7 @@ use ademan::files;
 use ademan::message::escape_path;
 use ademan::session::SessionHandle;
 use ademan::setup::{OWN_SETUP, Setup};
-use ademan::studio::first_start::{Answers, FirstStart, Search};
+use ademan::studio::first_start::{Answers, FirstStart, MirroredLayout, Search};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::{StudioApp, StudioStart, open_window, texts};
 
@@ -16,6 +16,7 @@ use super::window::{NO_OUTPUT, end, language, live_app, live_options, start};
 use super::{Args, source};
 use crate::failure::Failure;
 use crate::root_args::RootArgs;
+use crate::start::layout::Chosen;
 use crate::{panics, session, signals};
 
 /// Returns `true` if nothing says what to show: no argument, no setup of this person, and no settings of an earlier start.
@@ -37,6 +38,34 @@ pub fn open(root: RootArgs) -> Result<(), Failure> {
         open_window(content, signals::is_stop_requested)
     });
     end(shown, sessions.take())
+}
+
+/// Returns the answers with the file of a mirrored layout, which is written.
+pub(super) fn with_layout_file(answers: &Answers) -> Result<Answers, Failure> {
+    let mut named = answers.clone();
+    if let Some(mirrored) = named.mirrored.take() {
+        let folder = files::config_folder().ok_or_else(|| {
+            Failure::wrong_use(
+                "this system has no configuration folder for the mirrored layout; choose another layout",
+            )
+        })?;
+        named.setup.layout = write_layout(mirrored, &folder)?;
+    }
+    Ok(named)
+}
+
+/// Writes a mirrored layout to a folder, unless its file is there, and returns the path.
+fn write_layout(mirrored: MirroredLayout, folder: &Path) -> Result<String, Failure> {
+    let MirroredLayout { original, text } = mirrored;
+    fs::create_dir_all(folder).map_err(|error| {
+        let shown = escape_path(folder);
+        Failure::wrong_use(format!(
+            "cannot create {shown}: {error}; choose another layout"
+        ))
+    })?;
+    let layout = Chosen::mirrored((original, text), &folder.join(OWN_SETUP))?;
+    layout.write()?;
+    Ok(layout.name)
 }
 
 /// Writes the setup, and starts the session of the answers.
@@ -77,4 +106,32 @@ fn keep(setup: &Setup) -> Result<(), Failure> {
 fn write(setup: &Setup, folder: &Path, path: &Path) -> Result<(), files::FileError> {
     fs::create_dir_all(folder)?;
     files::replace(path, setup.first_text(path).as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use ademan::files::Load;
+    use ademan::hand::Side;
+    use ademan::layout::Layout;
+
+    use super::*;
+
+    #[test]
+    fn a_mirrored_layout_is_written_once_beside_the_setup() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let config = folder.path().join("ademan");
+        let source = "serial:/dev/ttyUSB0".parse().ok();
+        let setup = Setup::for_hand(source, Side::Left, None);
+        let (original, text) = setup.mirrored_layout().expect("layouts").expect("one");
+        let mirrored = MirroredLayout { original, text };
+        let written = write_layout(mirrored.clone(), &config).expect("a file");
+        assert_eq!(Path::new(&written), config.join("qwerty-flat-left.ron"));
+        let layout = Layout::load(&written).expect("a layout");
+        assert_eq!(layout.name, "qwerty-flat-left");
+        let edited = format!("// mine\n{}", fs::read_to_string(&written).expect("text"));
+        fs::write(&written, &edited).expect("a write");
+        let again = write_layout(mirrored, &config).expect("the file");
+        assert_eq!(again, written);
+        assert_eq!(fs::read_to_string(&again).expect("text"), edited);
+    }
 }

@@ -79,10 +79,11 @@ impl Sessions {
     }
 
     fn open_first(&self, answers: &Answers) -> Result<StudioApp, Failure> {
-        let (app, session) = first::begin(answers)?;
+        let named = first::with_layout_file(answers)?;
+        let (app, session) = first::begin(&named)?;
         let setup = Setup {
             output: NO_OUTPUT.into(),
-            ..answers.setup.clone()
+            ..named.setup
         };
         self.replace(setup, session);
         Ok(app)
