@@ -20,6 +20,7 @@ use serde::Deserialize;
 
 use crate::arm::{OutputArgs, poses};
 use crate::failure::Failure;
+use crate::new_file;
 
 /// Longest file of cameras or known points, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -132,6 +133,7 @@ struct SeenMark {
 
 fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     let format = format(&args.output)?;
+    new_file::check(&args.output)?;
     let lines = read_lines(&args.files)?;
     let start = match (&args.cameras, args.size) {
         (Some(path), _) => read_cameras(path)?,
