@@ -365,6 +365,8 @@ fn a_token_command_that_is_killed_leaves_nothing_that_stops_the_next_one() {
     }
     let listed = machine.run(&["token", "list"]);
     assert!(listed.stdout.is_empty(), "{}", text(&listed.stdout));
+    let said = text(&listed.stderr);
+    assert!(said.contains("no tokens yet; `ademan token new"), "{said}");
 }
 
 /// Runs on a disk that only the commands see, and fills it.

@@ -53,7 +53,11 @@ pub fn run(args: Args) -> Result<(), Failure> {
             )?;
         }
         Action::List => {
-            for entry in tokens::list(&folder)? {
+            let entries = tokens::list(&folder)?;
+            if entries.is_empty() {
+                say!("no tokens yet; `ademan token new desk --role see` makes one");
+            }
+            for entry in entries {
                 writeln!(
                     out,
                     "{:<32}  {:<5}  {}",
