@@ -260,7 +260,7 @@ fn the_figures_are_printed_although_a_result_cannot_be_written() {
     for option in ["--json", "--csv", "--html"] {
         let refused = run([&SCORE[..], &[option, "/no/folder/result"]].concat());
         assert_eq!(refused.code, Some(2), "{}", refused.err);
-        let reason = "cannot write /no/folder/result: there is no such folder";
+        let reason = "cannot write /no/folder/result: there is no such folder; create it";
         assert!(refused.err.contains(reason), "{}", refused.err);
         assert_eq!(refused.out, "", "it is refused before anybody types");
         for (place, words) in [

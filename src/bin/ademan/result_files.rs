@@ -41,7 +41,7 @@ pub fn check_folder(path: &Path) -> Result<(), Failure> {
     }
     let name = escape_path(path);
     Err(Failure::wrong_use(format!(
-        "cannot write {name}: there is no such folder"
+        "cannot write {name}: there is no such folder; create it, or name a file in another one"
     )))
 }
 
