@@ -61,7 +61,7 @@ enum Action {
         #[arg(long)]
         json: bool,
     },
-    /// List the layouts that come with the program
+    /// List the layouts that come with the program, and the ones in the configuration folder
     #[command(after_help = "Example: ademan layout list")]
     List(ListArgs),
     /// Print the link that opens a layout in the page of `ademan serve`, with the layout in it
