@@ -160,6 +160,8 @@ fn the_first_start_shows_its_pages_before_a_session_and_ends_with_a_signal() {
     let mut program = Program::from_command(command);
     let is_shown = wait_for(|| colors(server.display()).len() > 16);
     assert!(is_shown, "{:?}", program.stderr_lines());
+    // Sent to all programs of this name, it is not for a window without a session.
+    program.signal(&["USR1"]);
     program.signal(&["TERM"]);
     assert!(program.wait_for_exit().success());
     let messages = program.stderr_lines();

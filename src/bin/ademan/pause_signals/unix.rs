@@ -54,6 +54,12 @@ impl LastRequest {
 /// Handles the signals until the program ends. A later session takes the place of an earlier one.
 pub fn install(commands: CommandSender) -> Result<(), Failure> {
     *lock_session() = Some(commands);
+    install_without_session()
+}
+
+/// Handles the signals until the program ends, for a program that has no session, or none yet: Ctrl-Z gives the terminal back while it is
+/// stopped. SIGUSR1 to all programs of this name does not end it, which would leave the terminal covered.
+pub fn install_without_session() -> Result<(), Failure> {
     if IS_INSTALLED.swap(true, Ordering::SeqCst) {
         return Ok(());
     }
@@ -64,49 +70,39 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
         // An emergency stop does not wait for other programs.
         priority::raise_thread_priority();
         for signal in &mut signals {
-            let session = lock_session();
-            let Some(current) = session.as_ref() else {
-                continue;
-            };
             if signal == SIGUSR1 {
-                // Before another session takes its place, which starts paused if this one was to be paused.
-                let pause = current.with_origin(CommandOrigin::Signal);
-                let _ = pause.send(Command::Pause);
-                continue;
+                pause();
+            } else {
+                suspend(&last);
             }
-            let suspended = current.with_origin(CommandOrigin::Suspend);
-            drop(session);
-            suspend(&suspended, &last);
         }
     };
     let thread = thread::Builder::new().name("signals".into());
     thread.spawn(handle).map(drop).map_err(Failure::no_thread)
 }
 
-/// Handles Ctrl-Z until the program ends, for a program without a session: gives the terminal back while it is stopped. SIGUSR1 to all
-/// programs of this name does not end it, which would leave the terminal covered.
-pub fn install_without_session() -> Result<(), Failure> {
-    if IS_INSTALLED.swap(true, Ordering::SeqCst) {
-        return Ok(());
+/// Pauses the session, if there is one.
+fn pause() {
+    let session = lock_session();
+    if let Some(commands) = session.as_ref() {
+        // Before another session takes its place, which starts paused if this one was to be paused.
+        let signal = commands.with_origin(CommandOrigin::Signal);
+        let _ = signal.send(Command::Pause);
     }
-    let failed = |error| Failure::job(format!("cannot handle signals: {error}"));
-    let last = LastRequest::watch().map_err(failed)?;
-    let mut signals = Signals::new([SIGUSR1, SIGTSTP]).map_err(failed)?;
-    let handle = move || {
-        let stops = signals.forever().filter(|signal| *signal == SIGTSTP);
-        stops.for_each(|_| stop_process(&last));
-    };
-    let thread = thread::Builder::new().name("signals".into());
-    thread.spawn(handle).map(drop).map_err(Failure::no_thread)
 }
 
 fn lock_session() -> MutexGuard<'static, Option<CommandSender>> {
     SESSION.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Pauses the session and stops the process. The session resumes when the process is continued, unless another pause was
-/// in effect before or was requested in the meantime.
-fn suspend(commands: &CommandSender, last: &LastRequest) {
+/// Pauses the session, if there is one, and stops the process. The session resumes when the process is continued, unless another pause
+/// was in effect before or was requested in the meantime.
+fn suspend(last: &LastRequest) {
+    let session = lock_session().clone();
+    let Some(commands) = session.map(|it| it.with_origin(CommandOrigin::Suspend)) else {
+        stop_process(last);
+        return;
+    };
     let request = |command| commands.request_with_timeout(command, REPLY_TIMEOUT);
     let was_paused =
         matches!(request(Command::State), Ok(Reply::State(status)) if status.paused_by.is_some());

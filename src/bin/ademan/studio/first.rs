@@ -17,7 +17,7 @@ use super::{Args, source};
 use crate::failure::Failure;
 use crate::root_args::RootArgs;
 use crate::start::layout::Chosen;
-use crate::{panics, session, signals};
+use crate::{panics, pause_signals, session, signals};
 
 /// Returns `true` if nothing says what to show: no argument, no setup of this person, and no settings of an earlier start.
 pub fn is_first(args: &Args) -> bool {
@@ -30,6 +30,8 @@ pub fn is_first(args: &Args) -> bool {
 /// Shows the pages, and then the session, in one window.
 pub fn open(root: RootArgs) -> Result<(), Failure> {
     session::prepare()?;
+    // SIGUSR1 to all programs of this name does not end the window.
+    pause_signals::install_without_session()?;
     texts::set_language(language());
     let sessions = Sessions::new(Setup::default(), None, root);
     let shown = panics::contain(|| {
