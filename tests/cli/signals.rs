@@ -100,6 +100,44 @@ fn a_run_whose_server_does_not_answer_ends_on_a_signal() {
 }
 
 #[test]
+fn sigusr1_to_all_programs_of_the_name_ends_no_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hand.mcap");
+    let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let address = listener.local_addr().unwrap();
+    let source = format!("tcp:{address}?protocol=text-line");
+    let mut record = Running::start(&["record", super::text(&path), "--source", &source]);
+    let _sender = listener.accept().unwrap();
+    let mut err = BufReader::new(record.0.stderr.take().unwrap());
+    loop {
+        let message = line(&mut err);
+        assert_ne!(message, "", "the recording has ended");
+        if message.starts_with("recording to ") {
+            break;
+        }
+    }
+    record.signal("USR1");
+    record.signal("INT");
+    assert_eq!(record.0.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn sigusr1_ends_no_replay_without_an_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hand.mcap");
+    let path = super::text(&path);
+    super::run(["record", path, "--source", "typist:a text"]).done();
+    let mut replay = Running::start(&["replay", path, "--speed", "1"]);
+    let mut out = BufReader::new(replay.0.stdout.take().unwrap());
+    assert!(line(&mut out).contains("down A"));
+    replay.signal("USR1");
+    let mut rest = String::new();
+    out.read_to_string(&mut rest).unwrap();
+    assert!(rest.contains("up   T"), "{rest}");
+    assert_eq!(replay.0.wait().unwrap().code(), Some(0));
+}
+
+#[test]
 fn a_demo_that_is_interrupted_fails() {
     let mut demo = Running::start(&["demo"]);
     let mut out = BufReader::new(demo.0.stdout.take().unwrap());

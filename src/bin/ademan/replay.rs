@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::root_args::RootArgs;
 use crate::setup_args::number_in;
-use crate::{complete, session, stats, watchdog};
+use crate::{complete, pause_signals, session, stats, watchdog};
 
 /// Play a recording through the pipeline again
 #[derive(clap::Args)]
@@ -65,6 +65,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let session = session::start(setup, options)?;
+    pause_signals::install_for(&session, &args.output)?;
     stats::report(session.join()?)
 }
 
