@@ -67,38 +67,6 @@ impl MarkImage {
         Some(Self { width, values })
     }
 
-    /// Returns the shapes of connected pixels with at least the value `level`, in a part of the image or in all of it. Pixels that
-    /// touch at a corner are connected.
-    fn shapes(&self, level: f32, part: Option<&[usize]>) -> Vec<Vec<usize>> {
-        let mut is_open: Vec<bool> = match part {
-            None => self.values.iter().map(|value| *value >= level).collect(),
-            Some(_) => vec![false; self.values.len()],
-        };
-        for &pixel in part.unwrap_or_default() {
-            is_open[pixel] = self.values[pixel] >= level;
-        }
-        let all = part.is_none().then_some(0..self.values.len());
-        let starts = part.unwrap_or_default().iter().copied();
-        let mut shapes = Vec::new();
-        for start in starts.chain(all.into_iter().flatten()) {
-            if !std::mem::take(&mut is_open[start]) {
-                continue;
-            }
-            let mut shape = vec![start];
-            let mut next = 0;
-            while let Some(&pixel) = shape.get(next) {
-                next += 1;
-                for neighbour in self.neighbours(pixel) {
-                    if std::mem::take(&mut is_open[neighbour]) {
-                        shape.push(neighbour);
-                    }
-                }
-            }
-            shapes.push(shape);
-        }
-        shapes
-    }
-
     fn neighbours(&self, pixel: usize) -> impl Iterator<Item = usize> + use<> {
         let (width, height) = (self.width, self.values.len() / self.width);
         let (x, y) = (pixel % width, pixel / width);
@@ -195,6 +163,58 @@ impl MarkImage {
     }
 }
 
+/// The pixels of an image that belong to no shape yet. Pixels that touch at a corner are connected.
+struct OpenPixels<'a> {
+    image: &'a MarkImage,
+    is_open: Vec<bool>,
+}
+
+impl<'a> OpenPixels<'a> {
+    /// Opens the pixels with at least the value `level`.
+    fn new(image: &'a MarkImage, level: f32) -> Self {
+        let is_open = image.values.iter().map(|value| *value >= level);
+        Self {
+            image,
+            is_open: is_open.collect(),
+        }
+    }
+
+    /// Takes the shape of a pixel into `shape`, whose memory serves for all shapes of the image: noise has as many of them as pixels.
+    /// Returns `false` if the pixel is not open.
+    fn take_shape(&mut self, start: usize, shape: &mut Vec<usize>) -> bool {
+        shape.clear();
+        if !std::mem::take(&mut self.is_open[start]) {
+            return false;
+        }
+        shape.push(start);
+        let mut next = 0;
+        while let Some(&pixel) = shape.get(next) {
+            next += 1;
+            for neighbour in self.image.neighbours(pixel) {
+                if std::mem::take(&mut self.is_open[neighbour]) {
+                    shape.push(neighbour);
+                }
+            }
+        }
+        true
+    }
+
+    /// Returns the parts of a shape with at least the value `level` that have `min_px` pixels or more. No other pixel next to the
+    /// shape is open, so that the parts close what is opened here, and nothing else.
+    fn parts(&mut self, shape: &[usize], level: f32, min_px: usize) -> Vec<Vec<usize>> {
+        for &pixel in shape {
+            self.is_open[pixel] = self.image.values[pixel] >= level;
+        }
+        let (mut parts, mut part) = (Vec::new(), Vec::new());
+        for &start in shape {
+            if self.take_shape(start, &mut part) && part.len() >= min_px {
+                parts.push(part.clone());
+            }
+        }
+        parts
+    }
+}
+
 /// Finds the marks of an image.
 ///
 /// A shape that is longer than a mark is divided at the lowest level at which it falls into several marks. If there is no such level, it
@@ -204,13 +224,18 @@ pub fn find_marks(image: &MarkImage, settings: &MarkSettings) -> FoundMarks {
         brightest: image.values.iter().copied().fold(0.0, f32::max),
         ..FoundMarks::default()
     };
-    for shape in image.shapes(settings.threshold, None) {
+    let mut open = OpenPixels::new(image, settings.threshold);
+    let mut shape = Vec::new();
+    for start in 0..image.values.len() {
+        if !open.take_shape(start, &mut shape) {
+            continue;
+        }
         if shape.len() < settings.min_px || shape.len() > settings.max_px {
             found.other_size += 1;
         } else if shape.iter().any(|&pixel| image.is_at_edge(pixel)) {
             found.cut += 1;
         } else {
-            add_shape(image, &shape, settings, &mut found);
+            add_shape(&mut open, &shape, settings, &mut found);
         }
     }
     let by_place = |one: &FoundMark, other: &FoundMark| {
@@ -222,7 +247,13 @@ pub fn find_marks(image: &MarkImage, settings: &MarkSettings) -> FoundMarks {
 }
 
 /// Adds a shape as a mark or as several marks, or counts it as too long.
-fn add_shape(image: &MarkImage, shape: &[usize], settings: &MarkSettings, found: &mut FoundMarks) {
+fn add_shape(
+    open: &mut OpenPixels,
+    shape: &[usize],
+    settings: &MarkSettings,
+    found: &mut FoundMarks,
+) {
+    let image = open.image;
     let mark_at = |part: &[usize], level: f32| {
         let (center, elongation) = image.moments(part, level);
         // A disc of few pixels is less round.
@@ -235,15 +266,18 @@ fn add_shape(image: &MarkImage, shape: &[usize], settings: &MarkSettings, found:
         found.marks.push(FoundMark { center, ..mark });
         return;
     }
-    let brightest = shape
-        .iter()
-        .map(|&pixel| image.values[pixel])
-        .fold(0.0, f32::max);
+    let values = || shape.iter().map(|&pixel| image.values[pixel]);
+    let brightest = values().fold(0.0, f32::max);
+    // Two marks have at least as many pixels.
+    let fewest = settings.min_px.max(1).saturating_mul(2);
     for step in 1..LEVELS {
         let fraction = step as f32 / LEVELS as f32;
         let level = settings.threshold + (brightest - settings.threshold) * fraction;
-        let mut parts = image.shapes(level, Some(shape));
-        parts.retain(|part| part.len() >= settings.min_px);
+        if values().filter(|value| *value >= level).count() < fewest {
+            // A higher level leaves no more pixels.
+            break;
+        }
+        let parts = open.parts(shape, level, settings.min_px);
         if parts.len() < 2 {
             continue;
         }
@@ -382,6 +416,38 @@ mod tests {
         for (mark, center) in found.marks.iter().zip(centers) {
             assert!(mark.center.distance(center) < 0.3, "{mark:?}");
         }
+    }
+
+    #[test]
+    fn an_image_of_noise_has_each_shape_once() {
+        // Crosses of 5 pixels with darker arms, lines of 4 and single pixels, in a grid.
+        let (width, cells) = (600, 60);
+        let mut values = vec![0.0_f32; width * width];
+        for cell in 0..cells * cells {
+            let middle = (cell / cells * 10 + 5) * width + cell % cells * 10 + 5;
+            match cell % 3 {
+                0 => {
+                    let arms = [middle - 1, middle + 1, middle - width, middle + width];
+                    for pixel in arms {
+                        values[pixel] = 0.8;
+                    }
+                    values[middle] = 1.0;
+                }
+                1 => values[middle - 2..middle + 2].fill(0.7),
+                _ => values[middle] = 0.9,
+            }
+        }
+        let found = find_marks(&MarkImage::new(width, values).unwrap(), &SETTINGS);
+        assert_eq!(found.marks.len(), cells * cells / 3);
+        assert_eq!(
+            (found.long, found.other_size, found.cut),
+            (cells * cells / 3, cells * cells / 3, 0)
+        );
+        let is_middle = |mark: &FoundMark| {
+            let cells_of_marks = (mark.center.x - 5.0) / 30.0;
+            (cells_of_marks - cells_of_marks.round()).abs() < 1e-6 && mark.pixels == 5
+        };
+        assert!(found.marks.iter().all(is_middle), "{:?}", found.marks[0]);
     }
 
     #[test]
