@@ -56,6 +56,18 @@ impl BvhParser {
         reader.check_complete(self.tokens.line())
     }
 
+    /// Ends a text that may have been cut anywhere. A number that was cut is another number, so the word at the end counts only if the
+    /// text is complete with it.
+    pub fn finish_cut(
+        &mut self,
+        on_frame: &mut dyn FnMut(&Motion, &[f64], u64),
+    ) -> Result<(), BvhError> {
+        if !self.reader.awaits_last_word() {
+            self.tokens.discard();
+        }
+        self.finish(on_frame)
+    }
+
     /// Returns the skeleton, the number of frames and the frame time, once all of them are known.
     pub fn motion(&self) -> Option<&Motion> {
         matches!(self.reader.expected, Expected::Values).then_some(&self.reader.motion)
@@ -332,6 +344,19 @@ impl Reader {
                 Ok(Expected::Values)
             }
             _ => Err(format!("{} is not a frame time in seconds", shown(token))),
+        }
+    }
+
+    /// Returns `true` if one more word completes the text.
+    fn awaits_last_word(&self) -> bool {
+        let motion = &self.motion;
+        match self.expected {
+            Expected::FrameTime => motion.frame_count == 0,
+            Expected::Values => {
+                self.frames + 1 == motion.frame_count
+                    && self.values.len() + 1 == motion.skeleton.channel_count()
+            }
+            _ => false,
         }
     }
 

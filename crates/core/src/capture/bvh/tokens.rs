@@ -58,6 +58,11 @@ impl Tokenizer {
         self.end_token(&[], 0, &mut handle)
     }
 
+    /// Forgets the word at the end of the stream.
+    pub fn discard(&mut self) {
+        self.partial.clear();
+    }
+
     /// Handles the word that ends `index` bytes into the current piece, of which `end` is the part in the piece.
     fn end_token(
         &mut self,

@@ -167,6 +167,23 @@ impl BvhDecoder {
         }
     }
 
+    /// Ends the text with `run`.
+    fn end_text(
+        &mut self,
+        emit: &mut dyn FnMut(Packet),
+        run: impl FnOnce(
+            &mut BvhParser,
+            &mut dyn FnMut(&Motion, &[f64], u64),
+        ) -> Result<(), crate::capture::bvh::BvhError>,
+    ) {
+        // A connection without a text may be followed by one with a text; a file may not.
+        let is_empty = self.stats.bytes == self.text_start && self.text_start > 0;
+        if !self.has_failed && !is_empty {
+            self.parse(emit, run);
+        }
+        self.skip_rest();
+    }
+
     fn skip_rest(&mut self) {
         self.stats.skipped_bytes += self.stats.bytes - self.last_end;
         self.last_end = self.stats.bytes;
@@ -184,12 +201,11 @@ impl Decoder for BvhDecoder {
     }
 
     fn finish(&mut self, emit: &mut dyn FnMut(Packet)) {
-        // A connection without a text may be followed by one with a text; a file may not.
-        let is_empty = self.stats.bytes == self.text_start && self.text_start > 0;
-        if !self.has_failed && !is_empty {
-            self.parse(emit, |parser, on_frame| parser.finish(on_frame));
-        }
-        self.skip_rest();
+        self.end_text(emit, |parser, on_frame| parser.finish(on_frame));
+    }
+
+    fn finish_cut(&mut self, emit: &mut dyn FnMut(Packet)) {
+        self.end_text(emit, |parser, on_frame| parser.finish_cut(on_frame));
     }
 
     fn reset(&mut self) {
@@ -362,6 +378,25 @@ mod tests {
             empty_reason.contains("the text ends here"),
             "{empty_reason}"
         );
+    }
+
+    #[test]
+    fn a_number_at_the_end_of_a_cut_text_is_read_only_if_it_completes_the_text() {
+        let ended = |text: &str| {
+            let (mut decoder, mut packets) = (BvhDecoder::new(&options(&[])), Vec::new());
+            decoder.push(text.as_bytes(), &mut |packet| packets.push(packet));
+            decoder.finish_cut(&mut |packet| packets.push(packet));
+            (packets.len(), decoder.take_error())
+        };
+        assert_eq!(ended(TEXT.trim_end()), (2, None));
+        let longer = TEXT.replace("Frames: 2", "Frames: 3");
+        let (frames, reason) = ended(longer.trim_end());
+        let reason = reason.expect("an error");
+        assert!(
+            reason.contains("after 1 frames and 4 of 5 values"),
+            "{reason}"
+        );
+        assert_eq!(frames, 1);
     }
 
     #[test]
