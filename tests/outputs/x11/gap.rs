@@ -10,10 +10,13 @@ use ademan::time::Timestamp;
 use crate::support::press::{Posture, Press, glove_format, reading, x11_code};
 use crate::support::program::Program;
 use crate::support::recording::{Readings, record_source};
-use crate::support::x11::XServer;
+use crate::support::x11::{XServer, wait_for};
 
 /// The gap, during which a key is pressed.
 const GAP: Duration = Duration::from_secs(2);
+
+/// Number of attempts: a busy machine may drop the press, or release it before the gap.
+const ATTEMPTS: usize = 5;
 
 /// Records a press of H that lasts until after a gap.
 fn record(path: &Path) {
@@ -43,23 +46,37 @@ fn the_transcript_of_a_replay_with_a_gap_agrees_with_the_display() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     let recording = path("gap.mcap");
     record(Path::new(&recording));
-    let outputs = [
-        format!("transcript:{}", path("dry")),
-        format!("desktop,transcript:{}", path("typed")),
-    ];
-    for output in &outputs {
+    let replay = |output: &str| {
         let arguments = ["replay", recording.as_str(), "--output", output];
-        let mut program = Program::start(&server, arguments);
-        if output.starts_with("desktop") {
-            let has_pressed = server.wait_for_keys(&[x11_code("H")]);
-            assert!(has_pressed, "{:#?}", program.stderr_lines());
+        Program::start(&server, arguments)
+    };
+    let read = |name: &str| fs::read_to_string(path(name)).expect("a file");
+    let mut dry = replay(&format!("transcript:{}", path("dry")));
+    assert!(dry.wait_for_exit().success());
+    assert_eq!(read("dry").lines().count(), 2, "{}", read("dry"));
+
+    let mut last = Vec::new();
+    for attempt in 0..ATTEMPTS {
+        let name = format!("typed-{attempt}");
+        let mut program = replay(&format!("desktop,transcript:{}", path(&name)));
+        let keys = [x11_code("H")];
+        let mut has_pressed = false;
+        wait_for(|| {
+            has_pressed |= server.pressed_keys() == keys;
+            has_pressed || !program.is_running()
+        });
+        if has_pressed {
             let start = Instant::now();
             assert!(server.wait_for_keys(&[]));
             println!("released {:?} after the press", start.elapsed());
         }
-        assert!(program.wait_for_exit().success());
+        let status = program.wait_for_exit();
+        let typed = read(&name);
+        if has_pressed && status.success() && typed == read("dry") {
+            return;
+        }
+        last = program.stderr_lines();
+        last.push(format!("{status}: {typed}"));
     }
-    let [dry, typed] = ["dry", "typed"].map(|name| fs::read_to_string(path(name)).expect("a file"));
-    assert_eq!(typed, dry);
-    assert_eq!(dry.lines().count(), 2, "{dry}");
+    panic!("{}: {last:#?}", read("dry"));
 }

@@ -16,6 +16,9 @@ use crate::support::x11::{XServer, wait_at_most, wait_for};
 /// Longer than the time after a press for which the program still asks the watchdog often.
 const IDLE_TIME: Duration = Duration::from_millis(1500);
 
+/// Number of attempts: on a busy machine the key may be pressed before the watchdog is stopped.
+const ATTEMPTS: usize = 5;
+
 /// An armed run with the hand clear of all keys.
 struct Idle {
     server: XServer,
@@ -84,24 +87,37 @@ fn a_watchdog_that_is_stopped_while_nothing_is_pressed_is_noticed_and_replaced()
 
 #[test]
 fn no_key_is_pressed_while_the_watchdog_is_stopped() {
-    let Some(mut idle) = Idle::start() else {
-        return;
-    };
-    let log = KeyLog::start(&idle.server);
-    let approach = glove_format().packet_period() * idle.press.approach.len() as u32;
-    idle.glove.play(&idle.press.approach);
-    // The key follows soon, before the loss of an idle watchdog is noticed.
-    sleep(approach.saturating_sub(Duration::from_millis(400)));
-    signal("STOP", idle.watchdog());
-    let is_pressed = || log.presses_after(0) > 0;
-    let timeout = Duration::from_secs(2);
-    if wait_at_most(timeout, is_pressed) {
-        sleep(Duration::from_millis(280));
+    for _ in 0..ATTEMPTS {
+        let Some(mut idle) = Idle::start() else {
+            return;
+        };
+        let log = KeyLog::start(&idle.server);
+        let watchdog = idle.watchdog();
+        let approach = glove_format().packet_period() * idle.press.approach.len() as u32;
+        idle.glove.play(&idle.press.approach);
+        // The key follows soon, before the loss of an idle watchdog is noticed.
+        sleep(approach.saturating_sub(Duration::from_millis(400)));
+        signal("STOP", watchdog);
+        let is_late = !idle.server.pressed_keys().is_empty() || log.presses_after(0) > 0;
+        if !is_late {
+            let is_pressed = || log.presses_after(0) > 0;
+            if wait_at_most(Duration::from_secs(2), is_pressed) {
+                sleep(Duration::from_millis(280));
+            }
+        }
+        idle.program.signal(&["KILL"]);
+        // Unless the program has replaced it, it would keep the standard error open.
+        if is_alive(watchdog) {
+            signal("KILL", watchdog);
+        }
+        assert_eq!(idle.program.wait_for_exit().code(), None);
+        if !is_late {
+            sleep(Duration::from_millis(500));
+            assert_eq!(idle.server.pressed_keys(), [0; 0], "{:?}", log.events());
+            return;
+        }
     }
-    idle.program.signal(&["KILL"]);
-    assert_eq!(idle.program.wait_for_exit().code(), None);
-    sleep(Duration::from_millis(500));
-    assert_eq!(idle.server.pressed_keys(), [0; 0], "{:?}", log.events());
+    panic!("the watchdog is always stopped after the press");
 }
 
 #[test]
