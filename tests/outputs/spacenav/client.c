@@ -1,5 +1,5 @@
 /* A client that sets the sensitivity of its argument, prints the properties of the device and of the driver as
- * Debian's libspnav returns them, and then its events, until the server disconnects or sends nothing for 10 s. */
+ * Debian's libspnav returns them, and then its events, until the server disconnects or sends nothing for 60 s. */
 #include <poll.h>
 #include <spnav.h>
 #include <stdio.h>
@@ -37,7 +37,7 @@ int main(int count, char **arguments)
 	for (;;) {
 		struct pollfd file = { spnav_fd(), POLLIN, 0 };
 
-		if (poll(&file, 1, 10000) != 1 || spnav_wait_event(&event) == 0) {
+		if (poll(&file, 1, 60000) != 1 || spnav_wait_event(&event) == 0) {
 			return 0;
 		}
 		if (event.type == SPNAV_EVENT_MOTION) {

@@ -194,8 +194,8 @@ fn the_socket_is_private_and_a_second_server_is_an_error() {
     assert!(long_error.contains("at most 107"), "{long_error}");
 }
 
-/// Moves the lever of the layout `workshop`.
-const LEVER: &str = "script:wait 2000; press Lift; slide 25 0; wait 300; lift";
+/// Moves the lever of the layout `workshop`, once clients of a slow machine are connected.
+const LEVER: &str = "script:wait 6000; press Lift; slide 25 0; wait 300; lift";
 
 /// Returns a command in which a simulated hand plays a script on a layout.
 fn run(layout: &str, source: &str, output: &str) -> Command {
@@ -333,7 +333,7 @@ fn libspnav_clients_receive_the_lever_at_their_own_sensitivity() {
 
 #[test]
 fn libspnav_clients_receive_buttons() {
-    let source = "script:wait 2000; tap PadSouth; tap PadWest";
+    let source = "script:wait 6000; tap PadSouth; tap PadWest";
     let Some(lines) = lines_of_two_clients("game", source) else {
         return;
     };

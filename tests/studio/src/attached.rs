@@ -71,7 +71,7 @@ fn start_other(socket: &Path) -> SessionHandle {
         text: None,
     };
     let setup = Setup {
-        source: "script:press H; wait 60000".parse().ok(),
+        source: "script:press H; wait 600000".parse().ok(),
         output: "none".into(),
         profiles: vec![arc],
         text: Some(TextSetup::default()),
