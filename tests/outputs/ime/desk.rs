@@ -237,13 +237,20 @@ impl Field {
         self.lines()
     }
 
-    /// Waits until the field says nothing more, and returns its text.
-    pub fn text(&self) -> String {
+    /// Waits for a text with this end, then until the field says nothing more, and returns its text.
+    pub fn text(&self, end: &str) -> String {
+        // On a busy machine the field may say nothing for longer before it has the end.
+        wait_for(|| self.last_text().ends_with(end));
         let mut count = 0;
         wait_at_most(Duration::from_secs(10), || {
             std::thread::sleep(Duration::from_millis(300));
             std::mem::replace(&mut count, self.lines().len()) == self.lines().len()
         });
+        self.last_text()
+    }
+
+    /// Returns the present text.
+    fn last_text(&self) -> String {
         let lines = self.lines();
         let last = lines
             .iter()
