@@ -76,7 +76,7 @@ impl Server {
         let start = Instant::now();
         while !is_expected(&self.typed()) {
             assert!(
-                start.elapsed() < Duration::from_secs(20),
+                start.elapsed() < Duration::from_secs(60),
                 "{expected}: {}",
                 self.typed()
             );
@@ -125,12 +125,12 @@ fn socket(browser: &mut Browser, url: &str, message: &str) -> Value {
     browser.evaluate(&format!(
         r#"new Promise((done) => {{
             const socket = new WebSocket({});
-            let answer = "no answer";
-            socket.onopen = () => socket.send({});
-            socket.onmessage = (it) => answer = JSON.parse(it.data).kind;
-            socket.onclose = () => done(answer);
-            socket.onerror = () => done("refused at once");
-            setTimeout(() => done(answer), 4000);
+            let isOpen = false;
+            socket.onopen = () => {{ isOpen = true; socket.send({}); }};
+            socket.onmessage = (it) => done(JSON.parse(it.data).kind);
+            socket.onclose = () => done("no answer");
+            socket.onerror = () => done(isOpen ? "no answer" : "refused at once");
+            setTimeout(() => done("neither an answer nor the end"), 60000);
         }})"#,
         json!(url),
         json!(message)

@@ -294,6 +294,8 @@ fn the_memory_of_the_page_stays_as_it_is_while_the_camera_runs() {
     open(&mut browser, &address);
     start(&mut browser, &model);
     click(&mut browser, "webcam-place-boards");
+    // The page has done everything once, however long a slow machine takes.
+    browser.wait_for(LOOK, "the finger types", |look| look["typed"] != "");
     let pause = std::time::Duration::from_secs_f64(minutes * 60.0 / 6.0);
     let measure = |page: &mut Browser| {
         std::thread::sleep(pause);
