@@ -13,8 +13,8 @@ pub const TIMEOUT: Duration = Duration::from_secs(60);
 fn watchdog() -> (WatchdogSettings, Arc<AtomicUsize>) {
     let losses = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&losses);
-    // Sends READY, skips the target, and returns every message.
-    let script = "printf . >&0; head -c 6 >/dev/null; exec tee >&0";
+    // Skips the target, sends READY, and returns every message.
+    let script = "head -c 6 >/dev/null; printf . >&0; exec tee >&0";
     let settings = WatchdogSettings {
         program: "sh".into(),
         arguments: vec!["-c".into(), script.into()],

@@ -79,8 +79,8 @@ fn the_loop_writes_no_key_if_its_report_may_wait_for_a_disk() {
 fn the_keys_of_a_burst_are_reported_before_and_after_it() {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("messages");
-    // Sends READY, skips the target, and returns every message.
-    let script = "printf . >&0; head -c 6 >/dev/null; exec tee \"$0\" >&0";
+    // Skips the target, sends READY, and returns every message.
+    let script = "head -c 6 >/dev/null; printf . >&0; exec tee \"$0\" >&0";
     let settings = WatchdogSettings {
         program: "sh".into(),
         arguments: vec!["-c".into(), script.into(), log.clone().into()],

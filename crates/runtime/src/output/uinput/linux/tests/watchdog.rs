@@ -40,14 +40,14 @@ impl RecordedWatchdog {
     fn settings(&self) -> WatchdogSettings {
         let losses = self.losses.clone();
         let path = self.path().display().to_string();
-        // Sends READY, skips the target, and copies every message.
+        // Skips the target, sends READY, and copies every message.
         let copy = if self.replies {
             format!("tee -a {path} >&0")
         } else {
             format!("cat >>{path}")
         };
         let script =
-            format!("printf . >&0; head -c 6 >/dev/null; echo $$ >{path}.process; exec {copy}");
+            format!("head -c 6 >/dev/null; echo $$ >{path}.process; printf . >&0; exec {copy}");
         WatchdogSettings {
             program: "sh".into(),
             arguments: vec!["-c".into(), script.into()],
