@@ -63,7 +63,7 @@ fn a_client_gets_the_kinds_that_it_asks_for_at_its_rate() {
 
 #[test]
 fn a_request_that_is_wrong_too_long_or_one_too_many_ends_the_connection_with_the_reason() {
-    let (_typist, address) = typist("hola hola hola", "json");
+    let (_typist, address) = typist(&"hola ".repeat(100), "json");
     let good = "{\"kinds\":[\"commands\"]}\n";
     for (request, reason) in [
         (

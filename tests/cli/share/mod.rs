@@ -88,7 +88,7 @@ fn another_program_types_what_the_first_one_shares() {
 #[test]
 fn poses_and_angles_are_shared_as_lines_of_json() {
     for (format, field) in [("pose", "positions"), ("angles", "angles")] {
-        let (_typist, address) = typist("hola hola", format);
+        let (_typist, address) = typist(&"hola ".repeat(100), format);
         let client = TcpStream::connect(address).expect("it listens");
         let lines = BufReader::new(client).lines().map_while(Result::ok);
         let lines: Vec<serde_json::Value> = lines

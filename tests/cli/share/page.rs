@@ -37,7 +37,7 @@ fn chromium_shows_the_hand_over_lit_keys_and_connects_again() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
-    let (typist, address) = typist(&"hola ".repeat(40), "web");
+    let (typist, address) = typist(&"hola ".repeat(100), "web");
     browser.call(
         "Page.navigate",
         json!({"url": format!("http://{address}/")}),
@@ -60,7 +60,7 @@ fn chromium_shows_the_hand_over_lit_keys_and_connects_again() {
     browser.wait_for(LOOK, "the program has ended", |look| {
         look["state"] == "not connected" && look["skin"] == 0
     });
-    let (_typist, _) = share(&"hola ".repeat(40), &format!("web:{address}"));
+    let (_typist, _) = share(&"hola ".repeat(100), &format!("web:{address}"));
     let phone = json!({"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": true});
     browser.call("Emulation.setDeviceMetricsOverride", phone);
     let light = json!([{"name": "prefers-color-scheme", "value": "light"}]);
@@ -83,7 +83,7 @@ fn the_text_of_the_page_has_shifted_characters_and_ends_with_its_session() {
         return;
     };
     let text = "Ab? (C) 5% Z ";
-    let (typist, address) = typist(&text.repeat(8), "web");
+    let (typist, address) = typist(&text.repeat(40), "web");
     browser.call(
         "Page.navigate",
         json!({"url": format!("http://{address}/")}),
@@ -95,7 +95,7 @@ fn the_text_of_the_page_has_shifted_characters_and_ends_with_its_session() {
     browser.wait_for(LOOK, "the program has ended", |look| {
         look["state"] == "not connected"
     });
-    let (_typist, _) = share(&"hola ".repeat(40), &format!("web:{address}"));
+    let (_typist, _) = share(&"hola ".repeat(100), &format!("web:{address}"));
     browser.wait_for(LOOK, "the text of the second session", |look| {
         let shown = look["text"].as_str();
         shown.is_some_and(|it| it.starts_with("hola") || it.contains("a hola"))
@@ -140,7 +140,7 @@ fn a_page_of_another_origin_can_neither_connect_nor_read() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
-    let (_typist, address) = typist(&"hola ".repeat(40), "web");
+    let (_typist, address) = typist(&"hola ".repeat(100), "web");
     let elsewhere = serve_elsewhere();
     browser.call(
         "Page.navigate",

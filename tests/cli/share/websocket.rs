@@ -64,7 +64,7 @@ fn two_python_clients_read_a_typing_hand_and_other_pages_are_refused() {
             return;
         }
     };
-    let (_typist, address) = typist(&"hola ".repeat(8), "ws");
+    let (_typist, address) = typist(&"hola ".repeat(100), "ws");
     let uri = format!("ws://{address}/");
     let output = Command::new(python).args(["-c", CLIENT, &uri]).output();
     let output = output.expect("it runs");
@@ -100,7 +100,7 @@ fn answer(address: &str, request: &str) -> String {
 
 #[test]
 fn only_the_pages_of_this_address_are_served_and_only_to_it() {
-    let (_typist, address) = typist("hola hola hola", "web");
+    let (_typist, address) = typist(&"hola ".repeat(100), "web");
     let get = |path: &str, headers: &str| {
         let request = format!("GET {path} HTTP/1.1\r\n{headers}\r\n");
         answer(&address, &request)
