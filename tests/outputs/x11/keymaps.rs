@@ -33,8 +33,8 @@ pub fn set_keymap(server: &XServer, keymap: &[&str]) -> bool {
     }
 }
 
-/// Messages of the demo after a stall or a display that was late: of the session, and of a text that differs.
-const STALLED: [&str; 3] = [
+/// Messages after a stall or a display that was late: of the session, and of a demo whose text differs.
+pub const STALLED: [&str; 3] = [
     "stalled:",
     "did not accept them within",
     "the typed text differs from the given one",

@@ -1,6 +1,6 @@
 //! The demo types into a terminal.
 
-use super::keymaps::check_demo;
+use super::keymaps::{STALLED, check_demo};
 use crate::support::program::Program;
 use crate::support::x11::{TerminalWindow, XServer};
 
@@ -59,17 +59,20 @@ fn shown(bytes: &str) -> String {
     text
 }
 
-#[test]
-fn words_that_a_run_corrects_arrive_corrected_and_those_of_a_literal_run_as_typed() {
-    let Some(server) = XServer::start() else {
-        return;
-    };
-    let line = "teh quikc brown fox ";
-    for (mode, expected) in [("auto", "the quick brown fox "), ("literal", line)] {
+/// A line with two slips.
+const LINE: &str = "teh quikc brown fox ";
+
+/// Runs a hand that types the line with a mode of the decoder, and checks what a terminal shows. A busy machine may cause a stall or
+/// drop a key; then the line is typed again.
+fn assert_line_arrives(mode: &str, expected: &str) {
+    for _ in 0..5 {
+        let Some(server) = XServer::start() else {
+            return;
+        };
         let Some(terminal) = TerminalWindow::start(&server) else {
             return;
         };
-        let source = format!("typist:{line}");
+        let source = format!("typist:{LINE}");
         let mut program = Program::start(
             &server,
             [
@@ -88,12 +91,24 @@ fn words_that_a_run_corrects_arrive_corrected_and_those_of_a_literal_run_as_type
             ],
         );
         let status = program.wait_for_exit();
-        assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
         assert_eq!(server.pressed_keys(), [0; 0]);
+        if STALLED.iter().any(|part| program.count_lines(part) > 0) {
+            println!("stalled: {:?}", program.stderr_lines());
+            continue;
+        }
+        assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
         // Each of two corrections deletes and types three characters at least.
-        let least = "x".repeat(line.len() + if mode == "auto" { 8 } else { 0 });
+        let least = "x".repeat(LINE.len() + if mode == "auto" { 8 } else { 0 });
         let bytes = terminal.typed(&least);
         assert_eq!(shown(&bytes), expected, "{bytes:?}");
-        assert_eq!(bytes == line, mode == "literal");
+        assert_eq!(bytes == LINE, mode == "literal");
+        return;
     }
+    panic!("the machine is too busy");
+}
+
+#[test]
+fn words_that_a_run_corrects_arrive_corrected_and_those_of_a_literal_run_as_typed() {
+    assert_line_arrives("auto", "the quick brown fox ");
+    assert_line_arrives("literal", LINE);
 }
