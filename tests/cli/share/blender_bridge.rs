@@ -14,7 +14,8 @@ use crate::support::process::Process;
 use crate::{ademan, run, text};
 
 /// The text is longer than the test takes.
-const TEXT: &str = "hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola";
+const TEXT: &str = "hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola \
+                    hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola hola";
 
 /// Largest angle between a bone in Blender and the pose, in degrees.
 const MAX_DEGREES: f64 = 0.05;
@@ -172,7 +173,8 @@ fn bones_and_properties_follow_a_shared_hand_and_are_baked() {
     };
     assert_eq!(results.next("timer")["timer"], true);
     let connected = results.next("connect_s");
-    assert!(connected["connect_s"].as_f64().expect("seconds") < 1.0);
+    // It does not wait for the hand. A busy machine may take any time for the rest.
+    assert!(connected["connect_s"].as_f64().expect("seconds") < 30.0);
     let faults = [
         "attach 29: there is no object `Nothing`",
         "attach 30: `location` is no number; add the axis, as in `location.x`",
