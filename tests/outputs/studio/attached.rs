@@ -8,7 +8,7 @@ use ademan::session::control_socket::WatchClient;
 use tempfile::TempDir;
 
 use super::safety::close_window;
-use super::{is_drawn, is_typing, start_screen, studio};
+use super::{end, is_drawn, is_typing, start_screen, studio};
 use crate::support::binary::ademan;
 use crate::support::program::Program;
 use crate::support::x11::XServer;
@@ -132,13 +132,12 @@ fn a_window_of_its_own_opens_beside_a_run() {
     };
     let other = Other::start();
     for arguments in [["--attach", "off"], ["--layout", "qwerty-flat"]] {
-        let mut window = other.open(&server, &arguments);
+        let window = other.open(&server, &arguments);
         // The notice of a session in the program.
         window.wait_for_line("armed", 1);
         assert!(is_drawn(&server), "{:#?}", window.stderr_lines());
         assert_eq!(window.count_lines(ATTACHED), 0, "{arguments:?}");
-        window.signal(&["TERM"]);
-        assert!(window.wait_for_exit().success());
+        end(window);
     }
 }
 

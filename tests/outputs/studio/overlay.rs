@@ -12,7 +12,7 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-use super::{LIT, colors, studio};
+use super::{LIT, colors, end, studio};
 use crate::support::process::Process;
 use crate::support::program::Program;
 use crate::support::x11::{InputWindow, TerminalWindow, XServer, wait_for};
@@ -150,7 +150,7 @@ fn a_click_on_the_overlay_reaches_the_window_below() {
     let below = InputWindow::open(&server);
     let client = Client::connect(&server);
     let focus = client.focus();
-    let (mut program, _folder) = overlay(&server, None, "none");
+    let (program, _folder) = overlay(&server, None, "none");
     let is_lit = wait_for(|| colors(server.display()).contains(&LIT));
     assert!(is_lit, "{:#?}", program.stderr_lines());
     let (left, top, width, height) = client.overlay().expect("the overlay has a window");
@@ -161,8 +161,7 @@ fn a_click_on_the_overlay_reaches_the_window_below() {
     let events = below.events_until(&last);
     assert_eq!(events.last(), Some(&last), "{events:?}");
     assert_eq!(client.focus(), focus);
-    program.signal(&["TERM"]);
-    assert!(program.wait_for_exit().success());
+    end(program);
 }
 
 #[test]
@@ -183,6 +182,9 @@ fn without_a_compositor_the_overlay_is_small_and_says_so() {
     assert_eq!(below.events_until(&last).last(), Some(&last));
     assert_eq!(client.focus(), focus);
     program.signal(&["TERM"]);
-    assert!(program.wait_for_exit().success());
+    let code = program.wait_for_exit().code();
+    let messages = program.stderr_lines();
+    // On a busy machine the window takes longer to close than an orderly end may.
+    assert!(matches!(code, Some(0 | 130)), "{code:?}: {messages:#?}");
     assert_eq!(program.count_lines("no compositor runs"), 1);
 }

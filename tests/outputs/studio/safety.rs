@@ -8,12 +8,9 @@ use tempfile::TempDir;
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{AtomEnum, ClientMessageEvent, ConnectionExt, EventMask, Window};
 
-use super::{is_drawn, start_screen, studio};
+use super::{ATTEMPTS, is_drawn, start_screen, studio};
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_for};
-
-/// Number of attempts to press a key on a busy machine.
-const ATTEMPTS: usize = 5;
 
 /// The start of the message of a session that its watchdog does not answer.
 const WATCHDOG_LOST: &str = "the watchdog exited or hangs";

@@ -7,7 +7,7 @@ use std::process::Command;
 use ademan::sound::click::Click;
 
 use super::safety::{Session, TRANSCRIPT};
-use super::{is_typing, studio};
+use super::{end, is_typing, studio};
 use crate::sound::server::{SoundServer, address};
 use crate::support::process::signal;
 use crate::support::program::Program;
@@ -38,10 +38,9 @@ fn a_typing_hand_is_heard_once_clicks_are_turned_on() {
         connect(&mut command, sound.folder.path(), settings);
         Program::from_command(command)
     };
-    let mut silent = start(SILENT);
+    let silent = start(SILENT);
     assert!(is_typing(&server), "{:#?}", silent.stderr_lines());
-    silent.signal(&["TERM"]);
-    assert!(silent.wait_for_exit().success());
+    end(silent);
     assert!(sound.recording().iter().all(|it| *it == 0), "off at first");
 
     let program = start(CLICKS);
