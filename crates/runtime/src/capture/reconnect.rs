@@ -184,7 +184,7 @@ mod tests {
     use super::*;
     use crate::capture::connection::ByteStream;
 
-    const TIMEOUT: Duration = Duration::from_secs(20);
+    const TIMEOUT: Duration = Duration::from_secs(60);
 
     /// Connector that fails with each of these reasons in turn, then opens.
     #[derive(Clone)]

@@ -381,9 +381,9 @@ mod tests {
         thread::sleep(POLL_PERIOD * 4);
         fs::write(path, text("B")).unwrap();
         let swaps = commands.layouts().unwrap().swaps();
-        let swap = swaps.recv_timeout(Duration::from_secs(20)).unwrap();
+        let swap = swaps.recv_timeout(Duration::from_secs(60)).unwrap();
         let _ = swap.retired.send(swap.layout);
-        let report = reports.recv_timeout(Duration::from_secs(20)).unwrap();
+        let report = reports.recv_timeout(Duration::from_secs(60)).unwrap();
         assert!(matches!(report, LayoutReport::Activated(layout) if layout.name == "B"));
         drop(commands);
         polling.join().unwrap();
