@@ -56,27 +56,76 @@ impl Server {
     }
 }
 
-#[test]
-fn fingers_and_an_arm_that_is_late_type_together_until_the_arm_is_lost() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let recording = folder.path().join("hand.mcap");
-    let (mut fingers, mut arm) = (Server::start(), Server::start());
-    let program = ademan(["record"])
-        .arg(&recording)
-        .args(["--source", &fingers.uri(0), "--role", "both"])
-        .args(["--arm-source", &arm.uri(150), "--arm-role", "both"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    fingers.accept();
-    arm.accept();
+/// The presses of "Hola".
+const TYPED: [&str; 5] = ["ShiftLeft", "H", "O", "L", "A"];
+
+/// The message about fingers whose arm is lost.
+const NOT_TRACKED: &str =
+    "the right hand is not tracked: what it held is released, and it touches nothing\n";
+
+/// Number of attempts on a busy machine.
+const ATTEMPTS: usize = 5;
+
+/// A recording of fingers and of an arm that is late and is lost at the end.
+struct Recorded {
+    messages: String,
+    transcript: String,
+    /// The message about the source of the arm.
+    lost: String,
+    /// A busy machine has delayed lines.
+    is_delayed: bool,
+}
+
+impl Recorded {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let recording = folder.path().join("hand.mcap");
+        let (mut fingers, mut arm) = (Server::start(), Server::start());
+        let program = ademan(["record"])
+            .arg(&recording)
+            .args(["--source", &fingers.uri(0), "--role", "both"])
+            .args(["--arm-source", &arm.uri(150), "--arm-role", "both"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        fingers.accept();
+        arm.accept();
+        let is_late = send_hand(&mut fingers, &mut arm);
+        crate::support::process::signal("INT", program.id());
+        let output = program.wait_with_output().expect("the program ends");
+        let messages = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{messages}");
+        let replayed = ademan(["replay"])
+            .arg(&recording)
+            .output()
+            .expect("the program starts");
+        Self {
+            is_delayed: is_late || messages.contains("stalled:"),
+            messages,
+            transcript: String::from_utf8(replayed.stdout).unwrap(),
+            lost: format!("lost {}", arm.uri(150)),
+        }
+    }
+
+    fn is_complete(&self) -> bool {
+        pressed_keys(&self.transcript) == TYPED
+            && self.messages.contains(&self.lost)
+            && self.messages.contains(NOT_TRACKED)
+    }
+}
+
+/// Sends a hand that types, and ends the arm. Returns `true` if a line was sent late.
+fn send_hand(fingers: &mut Server, arm: &mut Server) -> bool {
     let lines = text_lines("Hola");
     let period = Duration::from_secs_f64(1.0 / TYPING_RATE_HZ);
     let delay = (0.15 * TYPING_RATE_HZ) as usize;
     let start = Instant::now();
+    let mut is_late = false;
     for index in 0..lines.len() + delay {
-        thread::sleep((period * index as u32).saturating_sub(start.elapsed()));
+        let planned = period * index as u32;
+        thread::sleep(planned.saturating_sub(start.elapsed()));
+        is_late |= start.elapsed() > planned + Duration::from_millis(50);
         if let Some(line) = lines.get(index) {
             fingers.send(&part_of(line, false));
         }
@@ -90,23 +139,24 @@ fn fingers_and_an_arm_that_is_late_type_together_until_the_arm_is_lost() {
         thread::sleep(period);
         fingers.send(&part_of(&lines[0], false));
     }
-    crate::support::process::signal("INT", program.id());
-    let output = program.wait_with_output().expect("the program ends");
-    let messages = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success(), "{messages}");
-    assert!(
-        messages.contains(&format!("lost {}", arm.uri(150))),
-        "{messages}"
-    );
-    let lost = "the right hand is not tracked: what it held is released, and it touches nothing\n";
-    assert!(messages.contains(lost), "{messages}");
-    let replayed = ademan(["replay"])
-        .arg(&recording)
-        .output()
-        .expect("the program starts");
-    let transcript = String::from_utf8(replayed.stdout).unwrap();
-    let typed = ["ShiftLeft", "H", "O", "L", "A"];
-    assert_eq!(pressed_keys(&transcript), typed, "{messages}");
+    is_late
+}
+
+#[test]
+fn fingers_and_an_arm_that_is_late_type_together_until_the_arm_is_lost() {
+    let mut recorded = Recorded::new();
+    for _ in 1..ATTEMPTS {
+        if recorded.is_complete() || !recorded.is_delayed {
+            break;
+        }
+        println!("delayed: {}", recorded.messages);
+        recorded = Recorded::new();
+    }
+    let messages = &recorded.messages;
+    assert!(messages.contains(&recorded.lost), "{messages}");
+    assert!(messages.contains(NOT_TRACKED), "{messages}");
+    let typed = pressed_keys(&recorded.transcript);
+    assert_eq!(typed, TYPED, "{messages}");
 }
 
 #[test]
