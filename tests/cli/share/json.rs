@@ -6,7 +6,7 @@ use std::net::TcpStream;
 
 use serde_json::Value;
 
-use super::typist;
+use super::{share_source, typist};
 
 /// Sends a request and returns the lines that follow, as JSON.
 fn ask(address: &str, request: &str) -> impl Iterator<Item = Value> + use<> {
@@ -18,7 +18,10 @@ fn ask(address: &str, request: &str) -> impl Iterator<Item = Value> + use<> {
 
 #[test]
 fn a_client_gets_the_kinds_that_it_asks_for_at_its_rate() {
-    let (_typist, address) = typist("hola hola", "json");
+    // Both clients of a slow machine are connected before the first key.
+    let taps = "; tap H; tap O; tap L; tap A".repeat(2);
+    let source = format!("script:wait 5000{taps}");
+    let (_hand, address) = share_source(&source, "json:127.0.0.1:0");
     let all = r#"["readings","angles","pose","touches","events","commands","layout","scene"]"#;
     let request = |kinds: &str, rate: &str| format!("{{\"kinds\":{kinds}{rate}}}\n");
     let slow = ask(

@@ -25,14 +25,18 @@ fn typist(text: &str, format: &str) -> (Process, String) {
 
 /// Starts a simulated hand that types and shares with a target. Returns it, and the address of the target.
 fn share(text: &str, target: &str) -> (Process, String) {
-    let source = format!("typist:{text}");
+    share_source(&format!("typist:{text}"), target)
+}
+
+/// Shares a source with a target. Returns the program, and the address of the target.
+fn share_source(source: &str, target: &str) -> (Process, String) {
     let arguments = [
         "--control",
         "off",
         "--output",
         "none",
         "--source",
-        &source,
+        source,
         "--share",
         target,
     ];
