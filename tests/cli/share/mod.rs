@@ -56,7 +56,7 @@ fn share_source(source: &str, target: &str) -> (Process, String) {
 
 /// Returns `true` if another program has typed keys of a text in their order. A busy machine loses
 /// some, and never adds one.
-fn is_part_of(typed: &str, text: &str) -> bool {
+pub fn is_part_of(typed: &str, text: &str) -> bool {
     let mut rest = text.chars();
     typed.len() >= 5 && typed.chars().all(|key| rest.any(|other| other == key))
 }
