@@ -48,10 +48,32 @@ mod xev;
 
 use std::time::{Duration, Instant};
 
+use ademan::device::OutputEvent;
+use ademan::output::{Desktop, Sink};
+
 use crate::support::glove::Glove;
 use crate::support::press::Press;
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_at_most, wait_for};
+
+/// Repeats an attempt that a busy machine may spoil until it returns `true`, at most 5 times.
+pub fn repeat(mut attempt: impl FnMut() -> bool) {
+    assert!((0..5).any(|_| attempt()), "the machine is too busy");
+}
+
+/// Sends events and waits until they are there. Returns `false` if a part of them is missing: a busy machine has dropped it.
+fn arrives(sink: &mut Desktop, events: &[OutputEvent], mut is_there: impl FnMut() -> bool) -> bool {
+    let before = sink.dropped_presses();
+    sink.send(events).expect("it is open");
+    let (mut has_arrived, mut dropped) = (false, 0);
+    wait_at_most(Duration::from_secs(10), || {
+        has_arrived = is_there();
+        dropped = sink.dropped_presses() - before;
+        has_arrived || dropped > 0
+    });
+    println!("arrived: {has_arrived}, dropped: {dropped}");
+    has_arrived && dropped == 0
+}
 
 /// Repeats a press until exactly these keys are pressed.
 ///
