@@ -8,6 +8,10 @@ use super::binary::ademan;
 use super::process::{Process, children, collect_lines};
 use super::x11::{XServer, wait_for};
 
+/// The start of the message of a run whose watchdog does not reply. A machine that starves it for 300 ms has the same effect. The run
+/// is paused until a person resumes it.
+pub const WATCHDOG_LOST: &str = "the watchdog exited or hangs";
+
 /// A running `ademan`.
 pub struct Program {
     process: Process,

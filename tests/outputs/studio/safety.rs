@@ -9,11 +9,8 @@ use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{AtomEnum, ClientMessageEvent, ConnectionExt, EventMask, Window};
 
 use super::{ATTEMPTS, is_drawn, start_screen, studio};
-use crate::support::program::Program;
+use crate::support::program::{Program, WATCHDOG_LOST};
 use crate::support::x11::{XServer, wait_for};
-
-/// The start of the message of a session that its watchdog does not answer.
-const WATCHDOG_LOST: &str = "the watchdog exited or hangs";
 
 /// Studio with a hand that types without end, and a setup that names an output.
 ///

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 use super::ends::held_keys;
-use super::hold;
+use super::{is_held_at_last, repeat};
 use crate::support::binary::ademan;
 use crate::support::glove::Glove;
 use crate::support::press::Press;
@@ -29,6 +29,28 @@ struct Holding {
 impl Holding {
     /// Starts a run and presses the keys. Returns `None` without an X server.
     fn start() -> Option<Self> {
+        let mut started = None;
+        repeat(|| {
+            started = Self::start_armed();
+            started.as_ref().is_none_or(Self::hold)
+        });
+        started
+    }
+
+    /// Presses the keys. Returns `false` if the run loses its watchdog.
+    fn hold(&self) -> bool {
+        let press = Press::for_text("H");
+        is_held_at_last(
+            &self.server,
+            &self.program,
+            &self.glove,
+            &press,
+            &held_keys(),
+        )
+    }
+
+    /// Starts a run and waits until it is armed.
+    fn start_armed() -> Option<Self> {
         let server = XServer::start()?;
         let press = Press::for_text("H");
         // Real users have a runtime folder in memory; with it the loop writes the keys.
@@ -39,7 +61,6 @@ impl Holding {
         let run = ademan(["run", "--output", "desktop", "--source", &source]);
         let program = Program::from_command(in_session(run, &server, runtime.path()));
         program.wait_for_line("armed", 1);
-        hold(&server, &program, &glove, &press, &held_keys());
         Some(Self {
             program,
             glove,

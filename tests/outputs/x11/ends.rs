@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use ademan::capture::hc11::{Framing, encode};
 use tempfile::TempDir;
 
-use super::{hold, wait_for_release};
+use super::{is_held_at_last, repeat, wait_for_release};
 use crate::support::glove::Glove;
 use crate::support::key_log::KeyLog;
 use crate::support::press::{Press, x11_code};
@@ -30,6 +30,28 @@ pub fn held_keys() -> [u16; 2] {
 impl Typing {
     /// Starts a run and waits until the keys are pressed. Returns `None` without an X server.
     pub fn start() -> Option<Self> {
+        let mut started = None;
+        repeat(|| {
+            started = Self::start_armed();
+            started.as_ref().is_none_or(Self::hold)
+        });
+        started
+    }
+
+    /// Presses the keys. Returns `false` if the run loses its watchdog.
+    fn hold(&self) -> bool {
+        let press = Press::for_text("H");
+        is_held_at_last(
+            &self.server,
+            &self.program,
+            &self.glove,
+            &press,
+            &held_keys(),
+        )
+    }
+
+    /// Starts a run and waits until it is armed.
+    fn start_armed() -> Option<Self> {
         let server = XServer::start()?;
         let press = Press::for_text("H");
         let (folder, port) = new_file("glove");
@@ -37,7 +59,6 @@ impl Typing {
         let source = format!("serial:{}", port.display());
         let program = run(&server, &source);
         program.wait_for_line("armed", 1);
-        hold(&server, &program, &glove, &press, &held_keys());
         Some(Self {
             server,
             program,

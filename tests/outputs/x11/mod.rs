@@ -53,7 +53,7 @@ use ademan::output::{Desktop, Sink};
 
 use crate::support::glove::Glove;
 use crate::support::press::Press;
-use crate::support::program::Program;
+use crate::support::program::{Program, WATCHDOG_LOST};
 use crate::support::x11::{XServer, wait_at_most, wait_for};
 
 /// Repeats an attempt that a busy machine may spoil until it returns `true`, at most 5 times.
@@ -79,17 +79,57 @@ fn arrives(sink: &mut Desktop, events: &[OutputEvent], mut is_there: impl FnMut(
 ///
 /// A busy machine may cause a stall; then the press is repeated.
 fn hold(server: &XServer, program: &Program, glove: &Glove, press: &Press, keys: &[u16]) {
-    let is_pressed = || {
+    let is_held = is_held_at_last(server, program, glove, press, keys);
+    assert!(is_held, "{:#?}", program.stderr_lines());
+}
+
+/// Repeats a press as [`hold`] does. Returns `false` if the run loses its watchdog, as on a busy machine: no press arrives until it is
+/// resumed.
+fn is_held_at_last(
+    server: &XServer,
+    program: &Program,
+    glove: &Glove,
+    press: &Press,
+    keys: &[u16],
+) -> bool {
+    let lost = program.count_lines(WATCHDOG_LOST);
+    let mut is_held = false;
+    let is_over = wait_for(|| {
         glove.play(&press.approach);
-        wait_at_most(Duration::from_secs(5), || server.pressed_keys() == keys)
-    };
-    let pressed = wait_for(is_pressed);
+        wait_at_most(Duration::from_secs(5), || {
+            is_held = server.pressed_keys() == keys;
+            is_held || program.count_lines(WATCHDOG_LOST) > lost
+        })
+    });
     assert!(
-        pressed,
+        is_over,
         "{:?}: {:#?}",
         server.pressed_keys(),
         program.stderr_lines()
     );
+    is_held
+}
+
+/// Waits until exactly these keys are pressed. Returns `false` if a busy machine has delayed the run before.
+fn is_pressing(server: &XServer, program: &Program, keys: &[u16]) -> bool {
+    let mut has_pressed = false;
+    let is_over = wait_for(|| {
+        has_pressed = server.pressed_keys() == keys;
+        has_pressed || is_late(program)
+    });
+    assert!(
+        is_over,
+        "{:?}: {:#?}",
+        server.pressed_keys(),
+        program.stderr_lines()
+    );
+    has_pressed
+}
+
+/// Returns `true` if a run says that a busy machine has delayed it: a press may be missing.
+pub fn is_late(program: &Program) -> bool {
+    let has_said = |part: &str| program.count_lines(part) > 0;
+    has_said(WATCHDOG_LOST) || keymaps::STALLED.into_iter().any(has_said)
 }
 
 /// Waits until no key is pressed, and prints the time since `start`. `benches/release.rs` measures such times; here a busy
