@@ -1,5 +1,6 @@
 //! Chords that act on the system, from switches that hold their keys.
 
+use super::{is_pressing, repeat};
 use crate::support::press::x11_code;
 use crate::support::program::Program;
 use crate::support::x11::XServer;
@@ -23,23 +24,22 @@ fn switches_in_any_order_leave_control_and_alt_pressed_but_not_delete() {
         return;
     };
     for order in ORDERS {
+        println!("{order}");
         let source = format!("script:{order}; wait 60000");
-        let mut program = Program::start(
-            &server,
-            [
-                "run", "--layout", LAYOUT, "--source", &source, "--output", "desktop",
-            ],
-        );
+        let arguments = [
+            "run", "--layout", LAYOUT, "--source", &source, "--output", "desktop",
+        ];
         let modifiers = ["ControlLeft", "AltLeft"].map(x11_code);
-        assert!(
-            server.wait_for_keys(&modifiers),
-            "{order}: {:?} are pressed, {:#?}",
-            server.pressed_keys(),
-            program.stderr_lines()
-        );
-        program.wait_for_line("1 key suppressed that would act on the system", 1);
-        program.signal(&["TERM"]);
-        program.wait_for_exit();
-        assert_eq!(server.pressed_keys(), [0; 0], "{order}");
+        repeat(|| {
+            let mut program = Program::start(&server, arguments);
+            let has_pressed = is_pressing(&server, &program, &modifiers);
+            if has_pressed {
+                program.wait_for_line("1 key suppressed that would act on the system", 1);
+            }
+            program.signal(&["TERM"]);
+            program.wait_for_exit();
+            assert_eq!(server.pressed_keys(), [0; 0], "{order}");
+            has_pressed
+        });
     }
 }
