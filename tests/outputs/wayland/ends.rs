@@ -9,8 +9,9 @@ use super::compositor::Compositor;
 use super::window::Window;
 use crate::support::glove::Glove;
 use crate::support::press::Press;
-use crate::support::program::Program;
+use crate::support::program::{Program, WATCHDOG_LOST};
 use crate::support::x11::{wait_at_most, wait_for};
+use crate::x11::repeat;
 
 /// A run with a glove.
 pub(super) struct GloveRun {
@@ -38,13 +39,23 @@ impl GloveRun {
 
     /// Repeats a press until the last event of the window is `line`.
     fn hold(&self, press: &Press, window: &Window, line: &str) {
-        let is_pressed = || {
+        let is_held = self.is_held_at_last(press, window, line);
+        assert!(is_held, "{:#?}", self.program.stderr_lines());
+    }
+
+    /// Repeats a press as [`hold`](Self::hold) does. Returns `false` if the run loses its watchdog, as on a busy machine: no press
+    /// arrives until it is resumed.
+    fn is_held_at_last(&self, press: &Press, window: &Window, line: &str) -> bool {
+        let mut is_held = false;
+        let is_over = wait_for(|| {
             self.glove.play(&press.approach);
             wait_at_most(Duration::from_secs(5), || {
-                window.events().last().is_some_and(|last| last == line)
+                is_held = window.events().last().is_some_and(|last| last == line);
+                is_held || self.program.count_lines(WATCHDOG_LOST) > 0
             })
-        };
-        assert!(wait_for(is_pressed), "{:#?}", window.events());
+        });
+        assert!(is_over, "{:#?}", window.events());
+        is_held
     }
 }
 
@@ -58,12 +69,23 @@ pub(super) struct Typing {
 
 impl Typing {
     pub(super) fn start() -> Option<Self> {
+        let press = Press::for_text("H");
+        let mut started = None;
+        repeat(|| {
+            started = Self::start_armed(&press);
+            started
+                .as_ref()
+                .is_none_or(|it| it.typing.is_held_at_last(&press, &it.window, "down H"))
+        });
+        started
+    }
+
+    /// Starts the runs and waits until they are armed.
+    fn start_armed(press: &Press) -> Option<Self> {
         let compositor = Compositor::sway()?;
         let window = Window::open(&compositor)?;
-        let press = Press::for_text("H");
-        let other = GloveRun::start(&compositor, &press, &[]);
-        let typing = GloveRun::start(&compositor, &press, &[]);
-        typing.hold(&press, &window, "down H");
+        let other = GloveRun::start(&compositor, press, &[]);
+        let typing = GloveRun::start(&compositor, press, &[]);
         Some(Self {
             window,
             typing,
@@ -172,14 +194,23 @@ fn layout_with_a_button(folder: &TempDir) -> PathBuf {
 
 /// Starts a window, and a run whose wearer holds the left mouse button.
 fn start_with_button() -> Option<(Compositor, Window, GloveRun)> {
-    let compositor = Compositor::sway()?;
-    let window = Window::open(&compositor)?;
     let folder = tempfile::tempdir().expect("a folder");
     let layout = layout_with_a_button(&folder).display().to_string();
     let press = Press::for_text("h");
-    let typing = GloveRun::start(&compositor, &press, &["--layout", &layout]);
-    typing.hold(&press, &window, "button 272 down");
-    Some((compositor, window, typing))
+    let start_armed = || {
+        let compositor = Compositor::sway()?;
+        let window = Window::open(&compositor)?;
+        let typing = GloveRun::start(&compositor, &press, &["--layout", &layout]);
+        Some((compositor, window, typing))
+    };
+    let mut started = None;
+    repeat(|| {
+        started = start_armed();
+        started.as_ref().is_none_or(|(_, window, typing)| {
+            typing.is_held_at_last(&press, window, "button 272 down")
+        })
+    });
+    started
 }
 
 #[test]
