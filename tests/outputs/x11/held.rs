@@ -2,21 +2,27 @@
 
 use std::time::Duration;
 
-use ademan::output::{Desktop, Router, open};
+use ademan::output::{Desktop, Router, Sink, open};
 use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::Setup;
 
+use super::repeat;
 use crate::support::hand::HoldingHand;
 use crate::support::press::Press;
 use crate::support::x11::{TerminalWindow, XServer};
 
 #[test]
 fn a_held_key_is_pressed_once_and_repeated_by_the_receiver() {
+    repeat(is_pressed_once);
+}
+
+/// Checks what a terminal makes of a held key. Returns `false` if a busy machine has dropped the press.
+fn is_pressed_once() -> bool {
     let Some(server) = XServer::start() else {
-        return;
+        return true;
     };
     let Some(terminal) = TerminalWindow::start(&server) else {
-        return;
+        return true;
     };
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("transcript");
@@ -41,11 +47,14 @@ fn a_held_key_is_pressed_once_and_repeated_by_the_receiver() {
         &mut |_| {},
     )
     .expect("the source ends");
+    assert_eq!(server.pressed_keys(), [0; 0]);
+    if sink.dropped_presses() > 0 {
+        return false;
+    }
 
     let transcript = std::fs::read_to_string(&path).expect("the transcript");
     let events: Vec<_> = transcript.lines().map(|line| &line[13..]).collect();
     assert_eq!(events, ["down H", "up   H"]);
-    assert_eq!(server.pressed_keys(), [0; 0]);
     let typed = terminal.typed("h");
     println!(
         "held for 1.5 s: the terminal made {} characters of it",
@@ -55,4 +64,5 @@ fn a_held_key_is_pressed_once_and_repeated_by_the_receiver() {
         !typed.is_empty() && typed.chars().all(|character| character == 'h'),
         "{typed:?}"
     );
+    true
 }

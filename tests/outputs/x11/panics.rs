@@ -10,14 +10,14 @@ use ademan::capture::{CaptureError, Source, SourceEvent};
 use ademan::device::keyboard::Keyboard;
 use ademan::device::{Capabilities, DeviceInput, DeviceOutput, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings};
-use ademan::output::Desktop;
+use ademan::output::{Desktop, Sink};
 use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
 use ademan::session::{CommandReceiver, SessionError, run_pipeline};
 use ademan::setup::Setup;
 use ademan::snapshot::StepView;
 use ademan::time::Timestamp;
 
-use super::wait_for_release;
+use super::{repeat, wait_for_release};
 use crate::support::hand::HoldingHand;
 use crate::support::press::{Press, x11_code};
 use crate::support::x11::XServer;
@@ -107,7 +107,7 @@ fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
     );
     let mut pipeline = pipeline(fuses.device.clone());
     let observer = fuses.observer.clone();
-    let running = thread::spawn(move || {
+    thread::spawn(move || {
         let run = || {
             let mut observe = |_: &StepView| observer.check();
             run_pipeline(
@@ -121,22 +121,30 @@ fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
         };
         let outcome = catch_unwind(AssertUnwindSafe(run));
         (outcome, sink)
-    });
-    assert!(server.wait_for_keys(&[x11_code("H"), x11_code("ShiftLeft")]));
-    running
+    })
 }
 
 /// Blows a fuse while keys are pressed and returns the result of the run.
 fn outcome_of(what: &str, fuse: fn(&Fuses) -> &Fuse) -> Option<Ended> {
-    let server = XServer::start()?;
-    let fuses = Fuses::default();
-    let running = start(&server, &fuses);
-    let start = Instant::now();
-    fuse(&fuses).blow();
-    wait_for_release(&server, start, what);
-    let ended = running.join().expect("the panic was caught");
-    assert_eq!(server.pressed_keys(), [0; 0]);
-    Some(ended)
+    let mut outcome = None;
+    repeat(|| {
+        let Some(server) = XServer::start() else {
+            return true;
+        };
+        let fuses = Fuses::default();
+        let running = start(&server, &fuses);
+        let are_pressed = server.wait_for_keys(&[x11_code("H"), x11_code("ShiftLeft")]);
+        let start = Instant::now();
+        fuse(&fuses).blow();
+        wait_for_release(&server, start, what);
+        let ended = running.join().expect("the panic was caught");
+        assert_eq!(server.pressed_keys(), [0; 0]);
+        // A busy machine drops a press.
+        assert!(are_pressed || ended.1.dropped_presses() > 0);
+        outcome = are_pressed.then_some(ended);
+        are_pressed
+    });
+    outcome
 }
 
 #[test]
