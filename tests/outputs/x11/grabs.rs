@@ -6,12 +6,12 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 use super::ends::Typing;
-use super::wait_for_release;
+use super::{repeat, wait_for_release};
 use crate::support::glove::Glove;
 use crate::support::key_log::KeyLog;
 use crate::support::press::Press;
-use crate::support::program::Program;
-use crate::support::x11::{InputWindow, XServer};
+use crate::support::program::{Program, WATCHDOG_LOST};
+use crate::support::x11::{InputWindow, XServer, wait_for};
 
 /// Number of presses while the server hangs.
 const PRESSES: usize = 3;
@@ -129,22 +129,32 @@ fn presses_that_wait_for_a_server_that_hangs_are_not_sent_after_a_pause() {
 
 #[test]
 fn presses_that_a_server_accepts_too_late_are_dropped_and_reported_once() {
-    let Some(server) = XServer::start() else {
-        return;
-    };
-    let mut run = Armed::start(&server);
-    let log = KeyLog::start(&server);
-    server.freeze();
-    let tap = [&run.press.approach[..], &run.press.lift].concat();
-    run.glove.play_to_end(&tap.repeat(PRESSES));
-    sleep(Duration::from_millis(500));
-    let sent = log.len();
-    server.thaw();
-    run.program
-        .wait_for_line("dropped: the output did not accept them within 250 ms", 1);
-    run.program.signal(&["TERM"]);
-    assert_eq!(run.program.wait_for_exit().code(), Some(0));
-    // The first press was on its way.
-    assert!(log.presses_after(sent) <= 1, "{:?}", log.events());
-    assert_eq!(run.program.count_lines("did not accept them"), 1);
+    repeat(|| {
+        let Some(server) = XServer::start() else {
+            return true;
+        };
+        let mut run = Armed::start(&server);
+        let log = KeyLog::start(&server);
+        server.freeze();
+        let tap = [&run.press.approach[..], &run.press.lift].concat();
+        run.glove.play_to_end(&tap.repeat(PRESSES));
+        sleep(Duration::from_millis(500));
+        let sent = log.len();
+        server.thaw();
+        let report = "dropped: the output did not accept them within 250 ms";
+        let has_said = |part: &&str| run.program.count_lines(part) > 0;
+        let is_over = || [report, "stalled:", WATCHDOG_LOST].iter().any(has_said);
+        assert!(wait_for(is_over), "{:#?}", run.program.stderr_lines());
+        run.program.signal(&["TERM"]);
+        assert_eq!(run.program.wait_for_exit().code(), Some(0));
+        // The first press was on its way.
+        assert!(log.presses_after(sent) <= 1, "{:?}", log.events());
+        // A busy machine may release everything before the presses, or in between.
+        let is_spoiled = ["stalled:", WATCHDOG_LOST]
+            .iter()
+            .any(|part| run.program.count_lines(part) > 0);
+        let reports = run.program.count_lines("did not accept them");
+        assert!(reports == 1 || is_spoiled, "{reports} reports");
+        !is_spoiled
+    });
 }
