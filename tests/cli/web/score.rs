@@ -41,6 +41,19 @@ const KEEP_WORKERS: &str = r##"(() => {
   };
 })()"##;
 
+/// Keeps the page after the first person whose score colours some keys: on a busy machine all people may have typed before the next look.
+const KEEP_FIRST_SCORE: &str = r##"(() => {
+  globalThis.firstScore = null;
+  const text = document.getElementById("score-text");
+  new MutationObserver(() => {
+    if (firstScore || document.querySelectorAll("#plan .is-heated").length <= 5) return;
+    globalThis.firstScore = {
+      button: document.getElementById("score-start").textContent,
+      is_running: !document.getElementById("score-progress").hidden,
+    };
+  }).observe(text, { childList: true });
+})()"##;
+
 #[test]
 fn people_score_a_layout_beside_the_page_and_the_plan_shows_missed_keys() {
     let Some(folder) = folder() else { return };
@@ -52,13 +65,14 @@ fn people_score_a_layout_beside_the_page_and_the_plan_shows_missed_keys() {
     browser.evaluate("document.getElementById('score').open = true");
     browser.evaluate(WATCH);
     browser.evaluate(KEEP_WORKERS);
+    browser.evaluate(KEEP_FIRST_SCORE);
     browser.evaluate("document.getElementById('score-start').click()");
-    let first = browser.wait_for(LOOK, "the first person has typed", |look| {
-        look["heated"].as_u64() > Some(5)
+    let first = browser.wait_for("({firstScore})", "the first person has typed", |look| {
+        look["firstScore"].is_object()
     });
     assert_eq!(
-        (&first["button"], &first["is_running"]),
-        (&json!("Stop"), &json!(true))
+        first["firstScore"],
+        json!({"button": "Stop", "is_running": true})
     );
     // The page goes on: the simulated hand types.
     browser.evaluate("document.getElementById('type').click()");
