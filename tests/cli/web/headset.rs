@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
@@ -23,6 +24,9 @@ const FLAGS: [&str; 4] = [
 
 /// The speed of the emulated hands: the headset draws some ten pictures in a second on a busy machine.
 pub(super) const SPEED: f64 = 0.12;
+
+/// Times that a text is typed: a busy machine may draw too few pictures of a press.
+const ATTEMPTS: u32 = 5;
 
 /// The state of the page.
 pub(super) const LOOK: &str = r##"(async () => {
@@ -111,6 +115,18 @@ fn take_hands_away(browser: &mut Browser) {
     });
 }
 
+/// Waits until a part of the state of the page has a value. Returns `false` if it has not after 3 s, which are many pictures.
+fn becomes(browser: &mut Browser, part: &str, expected: &Value) -> bool {
+    let start = Instant::now();
+    while browser.evaluate(LOOK)[part] != *expected {
+        if start.elapsed() > Duration::from_secs(3) {
+            return false;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    true
+}
+
 fn leave(browser: &mut Browser) {
     browser.evaluate("document.getElementById('enter-vr').click()");
     browser.wait_for(LOOK, "the session has ended", |look| look["session"] == "");
@@ -124,11 +140,10 @@ fn an_emulated_hand_types_in_the_room_and_a_lost_hand_and_the_end_release_its_ke
     browser.call("Network.enable", json!({}));
     enter(&mut browser, &address, "enter-vr");
     // A busy machine may lose the hand for some frames; then it types again.
-    let is_typed = (0..5).any(|_| {
+    let is_typed = (0..ATTEMPTS).any(|_| {
         browser.evaluate("document.getElementById('clear').click()");
         type_with_the_hand(&mut browser, "hi");
-        std::thread::sleep(std::time::Duration::from_millis(500));
-        browser.evaluate(LOOK)["typed"] == "hi"
+        becomes(&mut browser, "typed", &json!("hi"))
     });
     assert!(is_typed, "{}", browser.evaluate(LOOK));
     browser.save_picture("headset-vr.png");
@@ -137,10 +152,9 @@ fn an_emulated_hand_types_in_the_room_and_a_lost_hand_and_the_end_release_its_ke
         "(async () => {{ const {{ session }} = await import('/session.js'); await emulated.type('q', {SPEED}, () => session.keys.includes('Q')); }})()"
     );
     for is_lost in [true, false] {
-        let is_pressed = (0..5).any(|_| {
+        let is_pressed = (0..ATTEMPTS).any(|_| {
             browser.evaluate(&press);
-            std::thread::sleep(std::time::Duration::from_millis(300));
-            browser.evaluate(LOOK)["keys"] == json!(["Q"])
+            becomes(&mut browser, "keys", &json!(["Q"]))
         });
         assert!(is_pressed, "{}", browser.evaluate(LOOK));
         if is_lost {
@@ -219,7 +233,7 @@ fn boards_are_moved_by_their_edge_and_laid_on_a_table_below_flat_hands() {
         look["isGripped"] == false
     });
     at_edge(&mut browser, 0.06, [0.3, 0.2, 0.1]);
-    std::thread::sleep(std::time::Duration::from_millis(500));
+    std::thread::sleep(Duration::from_millis(500));
     assert_eq!(browser.evaluate(LOOK)["board"], moved["board"]);
     assert_eq!(moved["typed"], "", "a hand at the edge types nothing");
 
@@ -235,6 +249,6 @@ fn boards_are_moved_by_their_edge_and_laid_on_a_table_below_flat_hands() {
     assert_eq!(laid["typed"], "", "flat hands type nothing");
     // It lies lower than the boards were.
     browser.evaluate("emulated.device.quaternion.set(-Math.sin(0.5), 0, 0, Math.cos(0.5))");
-    std::thread::sleep(std::time::Duration::from_millis(500));
+    std::thread::sleep(Duration::from_millis(500));
     browser.save_picture("headset-table.png");
 }
