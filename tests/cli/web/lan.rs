@@ -25,6 +25,10 @@ struct Server {
 impl Server {
     fn start(folder: &Path) -> Self {
         let home = tempfile::tempdir().expect("a folder");
+        // On a busy machine pictures, and with them readings, come more than 200 ms after another. They must not stall the session.
+        let own = home.path().join("ademan");
+        fs::create_dir(&own).expect("a new folder");
+        fs::write(own.join("setup.ron"), "Setup(stall_timeout_ms: 2000)").expect("a file");
         let transcript = format!("transcript:{}", home.path().join("typed.txt").display());
         let control = home.path().join("control");
         let mut command = ademan(["serve", "--lan", "127.0.0.1", "--port", "0"]);
@@ -85,8 +89,7 @@ impl Server {
     }
 }
 
-/// Times that a text is typed: on a busy machine pictures, and with them readings, may come more than 200 ms after another,
-/// which stalls the session.
+/// Times that a text is typed: a busy machine may draw too few pictures of a press, or stall the session.
 const ATTEMPTS: u32 = 12;
 
 /// Types a text until the state and the transcript of the program are as expected.
