@@ -163,23 +163,37 @@ fn a_glove_of_the_legacy_encoding_is_told_forces_in_that_encoding() {
 #[test]
 fn a_touch_and_a_press_are_felt_as_pulses() {
     for carrier in CARRIERS {
-        let run = Run::start(Glove::start(carrier), &["--haptics", "pulse"]);
-        let off = "F0.00G0.00H0.00";
-        assert_eq!(run.glove.next_feedback(), off, "{carrier:?}");
-        // The finger is so slow that the pulse of the touch ends before the pulse of the press.
-        let mut steps = 1..100;
-        for pulse in ["F160.00G0.02H0.40", "F160.00G0.03H1.00"] {
-            while run.glove.feedback.is_empty() {
-                let step = steps.next().expect("the finger touches its key");
-                run.glove.curl(Finger::Ring, 0.004 * f64::from(step));
-                thread::sleep(Duration::from_millis(50));
-            }
-            assert_eq!(run.glove.next_feedback(), pulse, "{carrier:?}");
-        }
-        assert_eq!(next_event(&run.events), "down A");
-        run.lift();
-        assert_eq!(run.glove.next_feedback(), off, "{carrier:?}");
+        assert!((0..5).any(|_| are_felt(carrier)), "{carrier:?}");
     }
+}
+
+/// Checks the pulses of a slow press. Returns `false` if a busy machine has moved the finger on so fast that its touch had no pulse of
+/// its own.
+fn are_felt(carrier: Carrier) -> bool {
+    let run = Run::start(Glove::start(carrier), &["--haptics", "pulse"]);
+    let [off, touch, press] = ["F0.00G0.00H0.00", "F160.00G0.02H0.40", "F160.00G0.03H1.00"];
+    assert_eq!(run.glove.next_feedback(), off, "{carrier:?}");
+    // The finger is so slow that the pulse of the touch ends before the pulse of the press.
+    let mut steps = 1..100;
+    let mut next_pulse = || {
+        while run.glove.feedback.is_empty()
+            && let Some(step) = steps.next()
+        {
+            run.glove.curl(Finger::Ring, 0.004 * f64::from(step));
+            thread::sleep(Duration::from_millis(50));
+        }
+        run.glove.next_feedback()
+    };
+    let first = next_pulse();
+    if first == press {
+        return false;
+    }
+    assert_eq!(first, touch, "{carrier:?}");
+    assert_eq!(next_pulse(), press, "{carrier:?}");
+    assert_eq!(next_event(&run.events), "down A");
+    run.lift();
+    assert_eq!(run.glove.next_feedback(), off, "{carrier:?}");
+    true
 }
 
 #[test]
