@@ -122,6 +122,9 @@ mod tests {
     use super::*;
     use crate::capture::{Channels, Sample};
 
+    /// Longest time for anything on a busy machine.
+    const TIMEOUT: Duration = Duration::from_secs(60);
+
     /// Source with readings at these times, in milliseconds.
     struct TimedSource(Vec<u64>);
 
@@ -163,7 +166,7 @@ mod tests {
             let called_at = Instant::now();
             let event = paced.next().unwrap();
             assert!(
-                called_at.elapsed() < Duration::from_secs(20),
+                called_at.elapsed() < TIMEOUT,
                 "blocked for {:?}",
                 called_at.elapsed()
             );
@@ -192,7 +195,7 @@ mod tests {
     fn a_gap_of_a_year_takes_two_seconds() {
         let (returned_at, _) = play(&[0, 365 * 86_400_000], 1.0);
         assert!(
-            returned_at[1] >= MAX_GAP && returned_at[1] < Duration::from_secs(20),
+            returned_at[1] >= MAX_GAP && returned_at[1] < TIMEOUT,
             "{returned_at:?}"
         );
     }
