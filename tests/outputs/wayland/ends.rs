@@ -11,7 +11,7 @@ use crate::support::glove::Glove;
 use crate::support::press::Press;
 use crate::support::program::{Program, WATCHDOG_LOST};
 use crate::support::x11::{wait_at_most, wait_for};
-use crate::x11::repeat;
+use crate::x11::start_until;
 
 /// A run with a glove.
 pub(super) struct GloveRun {
@@ -70,14 +70,8 @@ pub(super) struct Typing {
 impl Typing {
     pub(super) fn start() -> Option<Self> {
         let press = Press::for_text("H");
-        let mut started = None;
-        repeat(|| {
-            started = Self::start_armed(&press);
-            started
-                .as_ref()
-                .is_none_or(|it| it.typing.is_held_at_last(&press, &it.window, "down H"))
-        });
-        started
+        let is_holding = |it: &Self| it.typing.is_held_at_last(&press, &it.window, "down H");
+        start_until(|| Self::start_armed(&press), is_holding)
     }
 
     /// Starts the runs and waits until they are armed.
@@ -203,14 +197,9 @@ fn start_with_button() -> Option<(Compositor, Window, GloveRun)> {
         let typing = GloveRun::start(&compositor, &press, &["--layout", &layout]);
         Some((compositor, window, typing))
     };
-    let mut started = None;
-    repeat(|| {
-        started = start_armed();
-        started.as_ref().is_none_or(|(_, window, typing)| {
-            typing.is_held_at_last(&press, window, "button 272 down")
-        })
-    });
-    started
+    start_until(start_armed, |(_, window, typing)| {
+        typing.is_held_at_last(&press, window, "button 272 down")
+    })
 }
 
 #[test]

@@ -11,7 +11,7 @@ use super::window::Window;
 use crate::support::press::Press;
 use crate::support::x11::wait_for;
 use crate::x11::output_stalls::{arguments, lock_and_hold, play_and_settle, release_and_press};
-use crate::x11::{is_late, repeat};
+use crate::x11::{is_late, start_until};
 
 /// A run whose key G locks Control, and a window that receives its keys.
 struct Locking {
@@ -42,12 +42,7 @@ impl Locking {
 
     /// Starts a run that has locked Control and holds H.
     fn start_holding() -> Option<Self> {
-        let mut started = None;
-        repeat(|| {
-            started = Self::start();
-            started.as_ref().is_none_or(Self::hold)
-        });
-        started
+        start_until(Self::start, Self::hold)
     }
 
     /// Locks Control and holds H. Returns `false` if a busy machine has delayed the run before.

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 use super::ends::held_keys;
-use super::{is_held_at_last, repeat};
+use super::{is_held_at_last, start_until};
 use crate::support::binary::ademan;
 use crate::support::glove::Glove;
 use crate::support::press::Press;
@@ -29,12 +29,7 @@ struct Holding {
 impl Holding {
     /// Starts a run and presses the keys. Returns `None` without an X server.
     fn start() -> Option<Self> {
-        let mut started = None;
-        repeat(|| {
-            started = Self::start_armed();
-            started.as_ref().is_none_or(Self::hold)
-        });
-        started
+        start_until(Self::start_armed, Self::hold)
     }
 
     /// Presses the keys. Returns `false` if the run loses its watchdog.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use ademan::capture::hc11::{Framing, encode};
 use tempfile::TempDir;
 
-use super::{is_held_at_last, repeat, wait_for_release};
+use super::{is_held_at_last, start_until, wait_for_release};
 use crate::support::glove::Glove;
 use crate::support::key_log::KeyLog;
 use crate::support::press::{Press, x11_code};
@@ -30,12 +30,7 @@ pub fn held_keys() -> [u16; 2] {
 impl Typing {
     /// Starts a run and waits until the keys are pressed. Returns `None` without an X server.
     pub fn start() -> Option<Self> {
-        let mut started = None;
-        repeat(|| {
-            started = Self::start_armed();
-            started.as_ref().is_none_or(Self::hold)
-        });
-        started
+        start_until(Self::start_armed, Self::hold)
     }
 
     /// Presses the keys. Returns `false` if the run loses its watchdog.

@@ -61,6 +61,20 @@ pub fn repeat(mut attempt: impl FnMut() -> bool) {
     assert!((0..5).any(|_| attempt()), "the machine is too busy");
 }
 
+/// Starts what a test needs until it is ready, at most 5 times. Returns `None` if it cannot be had on this machine.
+pub fn start_until<T>(
+    mut start: impl FnMut() -> Option<T>,
+    is_ready: impl Fn(&T) -> bool,
+) -> Option<T> {
+    let mut started = None;
+    repeat(|| {
+        started = None;
+        started = start();
+        started.as_ref().is_none_or(&is_ready)
+    });
+    started
+}
+
 /// Sends events and waits until they are there. Returns `false` if a part of them is missing: a busy machine has dropped it.
 fn arrives(sink: &mut Desktop, events: &[OutputEvent], mut is_there: impl FnMut() -> bool) -> bool {
     let before = sink.dropped_presses();

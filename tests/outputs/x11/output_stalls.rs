@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
-use super::{hold, is_pressing, repeat};
+use super::{hold, is_pressing, start_until};
 use crate::support::glove::Glove;
 use crate::support::key_log::KeyLog;
 use crate::support::press::{Posture, Press, x11_code};
@@ -96,15 +96,10 @@ impl Locking {
     fn start_holding() -> Option<Self> {
         let mut held = [x11_code("ControlLeft"), x11_code("H")];
         held.sort_unstable();
-        let mut started = None;
-        repeat(|| {
-            started = Self::start();
-            started.as_ref().is_none_or(|run| {
-                run.glove.play(&lock_and_hold(&run.h));
-                is_pressing(&run.server, &run.program, &held)
-            })
-        });
-        started
+        start_until(Self::start, |run| {
+            run.glove.play(&lock_and_hold(&run.h));
+            is_pressing(&run.server, &run.program, &held)
+        })
     }
 
     /// Releases and presses H without a pause, and checks that no press arrives.
