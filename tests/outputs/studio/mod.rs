@@ -22,12 +22,10 @@ use crate::support::binary::ademan;
 use crate::support::process::of_threads;
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_for};
+use crate::x11::repeat;
 
 /// The color of a pressed key, blue first, as the server has it.
 const LIT: [u8; 3] = [0x1c, 0xa0, 0xff];
-
-/// Number of attempts on a busy machine.
-const ATTEMPTS: usize = 5;
 
 /// The fewest colors of a window with keys and a hand.
 const MIN_COLORS: usize = 200;
@@ -88,7 +86,7 @@ fn end(mut program: Program) -> bool {
 
 #[test]
 fn the_window_shows_a_typing_hand_and_ends_in_an_orderly_way() {
-    let is_orderly = (0..ATTEMPTS).any(|_| {
+    repeat(|| {
         let Some(server) = start_screen() else {
             return true;
         };
@@ -102,7 +100,6 @@ fn the_window_shows_a_typing_hand_and_ends_in_an_orderly_way() {
         );
         end(program)
     });
-    assert!(is_orderly, "each end takes too long");
 }
 
 #[test]

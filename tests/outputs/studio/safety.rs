@@ -8,9 +8,10 @@ use tempfile::TempDir;
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{AtomEnum, ClientMessageEvent, ConnectionExt, EventMask, Window};
 
-use super::{ATTEMPTS, is_drawn, start_screen, studio};
+use super::{is_drawn, start_screen, studio};
 use crate::support::program::{Program, WATCHDOG_LOST};
 use crate::support::x11::{XServer, wait_for};
+use crate::x11::start_until;
 
 /// Studio with a hand that types without end, and a setup that names an output.
 ///
@@ -76,19 +77,18 @@ impl Session {
     /// A window that is drawn without a graphics card may starve the watchdog for the 300 ms after which it counts as lost. Then the
     /// session is paused until a person resumes it, and another one is started.
     fn start_pressing() -> Option<Self> {
-        for _ in 0..ATTEMPTS {
-            let session = Self::start("desktop")?;
-            let mut is_pressed = false;
-            let is_over = wait_for(|| {
-                is_pressed = !session.server.pressed_keys().is_empty();
-                is_pressed || session.program.count_lines(WATCHDOG_LOST) > 0
-            });
-            assert!(is_over, "{:#?}", session.program.stderr_lines());
-            if is_pressed {
-                return Some(session);
-            }
-        }
-        panic!("the machine is too busy for a watchdog");
+        start_until(|| Self::start("desktop"), Self::is_pressing)
+    }
+
+    /// Waits until a key is down on the X server. Returns `false` if the session loses its watchdog.
+    fn is_pressing(&self) -> bool {
+        let mut is_pressed = false;
+        let is_over = wait_for(|| {
+            is_pressed = !self.server.pressed_keys().is_empty();
+            is_pressed || self.program.count_lines(WATCHDOG_LOST) > 0
+        });
+        assert!(is_over, "{:#?}", self.program.stderr_lines());
+        is_pressed
     }
 
     /// Checks that the program exits with one of these codes and that no key is pressed.

@@ -7,8 +7,8 @@ use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 
-use super::ends::held_keys;
-use super::{is_held_at_last, start_until};
+use super::ends::{are_held, held_keys};
+use super::start_until;
 use crate::support::binary::ademan;
 use crate::support::glove::Glove;
 use crate::support::press::Press;
@@ -29,19 +29,9 @@ struct Holding {
 impl Holding {
     /// Starts a run and presses the keys. Returns `None` without an X server.
     fn start() -> Option<Self> {
-        start_until(Self::start_armed, Self::hold)
-    }
-
-    /// Presses the keys. Returns `false` if the run loses its watchdog.
-    fn hold(&self) -> bool {
-        let press = Press::for_text("H");
-        is_held_at_last(
-            &self.server,
-            &self.program,
-            &self.glove,
-            &press,
-            &held_keys(),
-        )
+        start_until(Self::start_armed, |run| {
+            are_held(&run.server, &run.program, &run.glove)
+        })
     }
 
     /// Starts a run and waits until it is armed.

@@ -27,22 +27,17 @@ pub fn held_keys() -> [u16; 2] {
     [x11_code("H"), x11_code("ShiftLeft")]
 }
 
+/// Presses these keys. Returns `false` if the run loses its watchdog.
+pub fn are_held(server: &XServer, program: &Program, glove: &Glove) -> bool {
+    is_held_at_last(server, program, glove, &Press::for_text("H"), &held_keys())
+}
+
 impl Typing {
     /// Starts a run and waits until the keys are pressed. Returns `None` without an X server.
     pub fn start() -> Option<Self> {
-        start_until(Self::start_armed, Self::hold)
-    }
-
-    /// Presses the keys. Returns `false` if the run loses its watchdog.
-    fn hold(&self) -> bool {
-        let press = Press::for_text("H");
-        is_held_at_last(
-            &self.server,
-            &self.program,
-            &self.glove,
-            &press,
-            &held_keys(),
-        )
+        start_until(Self::start_armed, |run| {
+            are_held(&run.server, &run.program, &run.glove)
+        })
     }
 
     /// Starts a run and waits until it is armed.

@@ -62,10 +62,11 @@ impl Drop for ClientPlace {
     }
 }
 
-/// The pauses that were requested, and those of them that a `Resume` has ended.
+/// Counts of requested pauses and of those that a `Resume` has ended.
 ///
-/// A pause is noted before and after it is queued. A `Resume` ends what was noted before it was queued, once it is. So the note of a pause
-/// behind a `Resume` in the queue stays, in whatever order their threads run; that of a pause that is just being queued may stay, too.
+/// Each pause is counted twice, before and after it enters the queue. A `Resume` ends the counts from before it entered the queue. A pause
+/// behind it in the queue therefore stays requested, also if their threads interrupt each other; a pause that enters at the same time may
+/// stay requested, too.
 #[derive(Debug, Default)]
 struct PauseNotes {
     noted: AtomicUsize,
@@ -287,8 +288,7 @@ impl CommandReceiver {
         self.waker.receive(|| {
             let swap = self.layouts.as_ref().and_then(LoopLayoutLink::try_swap);
             let estimator = || self.estimators.try_recv().ok().map(Message::EstimatorSwap);
-            let received = || self.queue.try_recv().ok();
-            let command = || received().map(|it| Message::Command(it.queued));
+            let command = || Some(Message::Command(self.queue.try_recv().ok()?.queued));
             let swap = swap.map(Message::LayoutSwap);
             swap.or_else(estimator).or_else(command)
         })

@@ -22,6 +22,22 @@ const WEBCAM: &str = "webcam-qwerty";
 /// The layout of a source that measures the movement of the arm only.
 const ARM: &str = "arm-6dof";
 
+/// The mirror image of a layout that comes with the program. It is no file yet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MirroredLayout {
+    /// Name of the layout that is mirrored.
+    pub original: &'static str,
+    /// Text of the file.
+    pub text: String,
+}
+
+impl MirroredLayout {
+    /// Returns its name, without the ending of a file.
+    pub fn name(&self) -> String {
+        format!("{}-left", self.original)
+    }
+}
+
 impl Setup {
     /// Returns the setup of a hand that a source measures, `None` for the simulated hand. A source that needs a glove gets the one that
     /// comes with the program for this side, unless `glove` names another.
@@ -60,9 +76,9 @@ impl Setup {
         Ok(candidates.last().copied().unwrap_or(KEYBOARD))
     }
 
-    /// Returns the name of a layout that precedes the [proposed one](Self::proposed_layout), and the text of its mirror image, if the
-    /// hand reaches the keys of that: the layouts for one hand are for a right one.
-    pub fn mirrored_layout(&self) -> Result<Option<(&'static str, String)>, SetupError> {
+    /// Returns the mirror image of a layout that precedes the [proposed one](Self::proposed_layout), if the hand reaches its keys: the
+    /// layouts for one hand are for a right one.
+    pub fn mirrored_layout(&self) -> Result<Option<MirroredLayout>, SetupError> {
         for &candidate in self.candidates() {
             let loaded = self.loaded_with(candidate)?;
             if loaded.reach_report(&loaded.layout).is_none() {
@@ -71,7 +87,10 @@ impl Setup {
             let text = mirror_layout(&Document::shipped(candidate)?)?;
             let mirrored = Layout::from_document(Document::new(candidate, text.as_str()))?;
             if loaded.reach_report(&mirrored).is_none() {
-                return Ok(Some((candidate, text)));
+                return Ok(Some(MirroredLayout {
+                    original: candidate,
+                    text,
+                }));
             }
         }
         Ok(None)
@@ -173,8 +192,9 @@ mod tests {
             setup.mirrored_layout().unwrap()
         };
         let serial = "serial:/dev/ttyUSB0";
-        let (name, text) = mirrored(serial, Side::Left).expect("a layout");
-        assert_eq!(name, KEYBOARD);
+        let layout = mirrored(serial, Side::Left).expect("a layout");
+        assert_eq!(layout.original, KEYBOARD);
+        let text = &layout.text;
         assert!(text.contains("hand: \"left\""), "{text}");
         assert_eq!(mirrored(serial, Side::Right), None);
         let curls = "serial:/dev/ttyUSB0?protocol=lucidgloves";

@@ -17,7 +17,7 @@ mod text;
 mod wearer;
 mod without_devices;
 
-pub use first::OWN_SETUP;
+pub use first::{MirroredLayout, OWN_SETUP};
 pub use learned_file::LearnedFile;
 pub use loaded::{GloveAndArm, LoadedSetup, Profile};
 pub use outputs::continued_outputs;

@@ -8,7 +8,7 @@ use ademan_core::document::{Document, shipped_layouts};
 use ademan_core::hand::Side;
 use ademan_core::layout::Layout;
 use ademan_runtime::capture::SourceUri;
-use ademan_runtime::setup::{LoadedSetup, Setup, SetupError};
+use ademan_runtime::setup::{LoadedSetup, MirroredLayout, Setup, SetupError};
 
 pub use self::search::{Port, Search};
 
@@ -53,22 +53,6 @@ pub static LAYOUTS: LazyLock<Vec<LayoutChoice>> = LazyLock::new(|| {
     shipped_layouts().filter_map(choice).collect()
 });
 
-/// The mirror image of a layout that comes with the program. It is no file yet.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MirroredLayout {
-    /// Name of the layout that is mirrored.
-    pub original: &'static str,
-    /// Text of the file.
-    pub text: String,
-}
-
-impl MirroredLayout {
-    /// Returns its name in the list of layouts.
-    pub fn name(&self) -> String {
-        format!("{}-left", self.original)
-    }
-}
-
 /// The layout that is proposed for a source and a hand.
 struct Proposal {
     /// The source and the hand.
@@ -84,7 +68,6 @@ impl Proposal {
             Some(_) => of.mirrored_layout()?,
             None => None,
         };
-        let mirrored = mirrored.map(|(original, text)| MirroredLayout { original, text });
         let name = match &mirrored {
             Some(mirrored) => mirrored.name(),
             None => of.proposed_layout()?.to_owned(),

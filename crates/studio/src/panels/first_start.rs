@@ -158,10 +158,10 @@ fn show_layouts(ui: &mut egui::Ui, first: &mut FirstStart) {
     let is_proposal = |name: &str| name == proposal;
     let (proposed, others): (Vec<_>, Vec<_>) =
         LAYOUTS.iter().partition(|layout| is_proposal(&layout.name));
-    if let Some(mirrored) = first.mirrored().cloned() {
-        let values = [("layout", mirrored.original.into())];
-        let description = text_with("first-mirrored", &values);
-        show_layout(ui, first, &mirrored.name(), &description, &chosen);
+    let mirrored = first.mirrored().map(|it| (it.name(), it.original));
+    if let Some((name, original)) = mirrored {
+        let description = text_with("first-mirrored", &[("layout", original.into())]);
+        show_layout(ui, first, &name, &description, &chosen);
     }
     for layout in proposed.into_iter().chain(others) {
         show_layout(ui, first, &layout.name, &layout.description, &chosen);

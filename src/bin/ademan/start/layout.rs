@@ -7,7 +7,7 @@ use ademan::document::Document;
 use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::message::{escape, escape_path};
-use ademan::setup::Setup;
+use ademan::setup::{MirroredLayout, Setup};
 
 use super::question::Questions;
 use crate::failure::Failure;
@@ -27,16 +27,16 @@ impl Chosen {
     }
 
     /// Returns the mirror image of a layout, in a file beside the setup. A file that is there stays as it is.
-    pub fn mirrored((name, text): (&str, String), beside: &Path) -> Result<Self, Failure> {
-        let path = beside.with_file_name(format!("{name}-left.ron"));
+    pub fn mirrored(mirrored: &MirroredLayout, beside: &Path) -> Result<Self, Failure> {
+        let path = beside.with_file_name(format!("{}.ron", mirrored.name()));
         let file = path.to_string_lossy().into_owned();
         if path.exists() {
             return Ok(Self::existing(file));
         }
-        let original = Layout::from_document(Document::shipped(name)?)?;
+        let original = Layout::from_document(Document::shipped(mirrored.original)?)?;
         Ok(Self {
             name: file,
-            text: Some(new_file::renamed(&text, &original.name, &path)),
+            text: Some(new_file::renamed(&mirrored.text, &original.name, &path)),
         })
     }
 
@@ -65,13 +65,14 @@ pub fn choose(
     }
     let mut out = io::stdout();
     let mirrored = setup.mirrored_layout()?;
-    if let Some((name, _)) = &mirrored {
+    if let Some(mirrored) = &mirrored {
+        let (original, name) = (mirrored.original, mirrored.name());
         writeln!(
             out,
-            "{name} is for a right hand; {name}-left.ron is its mirror image"
+            "{original} is for a right hand; {name}.ron is its mirror image"
         )?;
     }
-    let mirrored = mirrored.map(|layout| Chosen::mirrored(layout, beside));
+    let mirrored = mirrored.map(|layout| Chosen::mirrored(&layout, beside));
     let mirrored = mirrored.transpose()?;
     let proposal = match &mirrored {
         Some(mirrored) => mirrored.name.clone(),

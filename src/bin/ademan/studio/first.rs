@@ -6,8 +6,8 @@ use std::path::Path;
 use ademan::files;
 use ademan::message::escape_path;
 use ademan::session::SessionHandle;
-use ademan::setup::{OWN_SETUP, Setup};
-use ademan::studio::first_start::{Answers, FirstStart, MirroredLayout, Search};
+use ademan::setup::{MirroredLayout, OWN_SETUP, Setup};
+use ademan::studio::first_start::{Answers, FirstStart, Search};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::{StudioApp, StudioStart, open_window, texts};
 
@@ -51,21 +51,20 @@ pub(super) fn with_layout_file(answers: &Answers) -> Result<Answers, Failure> {
                 "this system has no configuration folder for the mirrored layout; choose another layout",
             )
         })?;
-        named.setup.layout = write_layout(mirrored, &folder)?;
+        named.setup.layout = write_layout(&mirrored, &folder)?;
     }
     Ok(named)
 }
 
 /// Writes a mirrored layout to a folder, unless its file is there, and returns the path.
-fn write_layout(mirrored: MirroredLayout, folder: &Path) -> Result<String, Failure> {
-    let MirroredLayout { original, text } = mirrored;
+fn write_layout(mirrored: &MirroredLayout, folder: &Path) -> Result<String, Failure> {
     fs::create_dir_all(folder).map_err(|error| {
         let shown = escape_path(folder);
         Failure::wrong_use(format!(
             "cannot create {shown}: {error}; choose another layout"
         ))
     })?;
-    let layout = Chosen::mirrored((original, text), &folder.join(OWN_SETUP))?;
+    let layout = Chosen::mirrored(mirrored, &folder.join(OWN_SETUP))?;
     layout.write()?;
     Ok(layout.name)
 }
@@ -124,15 +123,14 @@ mod tests {
         let config = folder.path().join("ademan");
         let source = "serial:/dev/ttyUSB0".parse().ok();
         let setup = Setup::for_hand(source, Side::Left, None);
-        let (original, text) = setup.mirrored_layout().expect("layouts").expect("one");
-        let mirrored = MirroredLayout { original, text };
-        let written = write_layout(mirrored.clone(), &config).expect("a file");
+        let mirrored = setup.mirrored_layout().expect("layouts").expect("one");
+        let written = write_layout(&mirrored, &config).expect("a file");
         assert_eq!(Path::new(&written), config.join("qwerty-flat-left.ron"));
         let layout = Layout::load(&written).expect("a layout");
         assert_eq!(layout.name, "qwerty-flat-left");
         let edited = format!("// mine\n{}", fs::read_to_string(&written).expect("text"));
         fs::write(&written, &edited).expect("a write");
-        let again = write_layout(mirrored, &config).expect("the file");
+        let again = write_layout(&mirrored, &config).expect("the file");
         assert_eq!(again, written);
         assert_eq!(fs::read_to_string(&again).expect("text"), edited);
     }

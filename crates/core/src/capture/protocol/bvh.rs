@@ -7,7 +7,8 @@ use super::encoder::{hands, require_defaults};
 use super::space::{self, Facing, HAND, UP, WorldFromSource};
 use super::{Carriers, Decoder, Packet, PositionNoise, Protocol, ProtocolOption, ProtocolOptions};
 use crate::capture::bvh::{
-    self, ArmShape, ArmsSkeleton, BvhParser, HandJoints, Motion, NodePose, PositionChannels,
+    self, ArmShape, ArmsSkeleton, BvhError, BvhParser, HandJoints, Motion, NodePose,
+    PositionChannels,
 };
 use crate::capture::{Sample, SampleKind, SourceStats};
 use crate::geometry::EulerOrder;
@@ -110,6 +111,9 @@ pub struct BvhDecoder {
     has_failed: bool,
 }
 
+/// A method of the parser that ends the text.
+type EndOfText = fn(&mut BvhParser, &mut dyn FnMut(&Motion, &[f64], u64)) -> Result<(), BvhError>;
+
 impl BvhDecoder {
     /// Creates a decoder at the start of a text.
     pub fn new(options: &ProtocolOptions) -> Self {
@@ -137,10 +141,7 @@ impl BvhDecoder {
     fn parse(
         &mut self,
         emit: &mut dyn FnMut(Packet),
-        run: impl FnOnce(
-            &mut BvhParser,
-            &mut dyn FnMut(&Motion, &[f64], u64),
-        ) -> Result<(), crate::capture::bvh::BvhError>,
+        run: impl FnOnce(&mut BvhParser, &mut dyn FnMut(&Motion, &[f64], u64)) -> Result<(), BvhError>,
     ) {
         let (mut frame_error, mut readings) = (None, 0);
         let mut on_frame = |motion: &Motion, values: &[f64], end: u64| {
@@ -167,19 +168,12 @@ impl BvhDecoder {
         }
     }
 
-    /// Ends the text with `run`.
-    fn end_text(
-        &mut self,
-        emit: &mut dyn FnMut(Packet),
-        run: impl FnOnce(
-            &mut BvhParser,
-            &mut dyn FnMut(&Motion, &[f64], u64),
-        ) -> Result<(), crate::capture::bvh::BvhError>,
-    ) {
+    /// Ends the text with a method of the parser.
+    fn end_text(&mut self, emit: &mut dyn FnMut(Packet), end: EndOfText) {
         // A connection without a text may be followed by one with a text; a file may not.
         let is_empty = self.stats.bytes == self.text_start && self.text_start > 0;
         if !self.has_failed && !is_empty {
-            self.parse(emit, run);
+            self.parse(emit, end);
         }
         self.skip_rest();
     }
@@ -201,11 +195,11 @@ impl Decoder for BvhDecoder {
     }
 
     fn finish(&mut self, emit: &mut dyn FnMut(Packet)) {
-        self.end_text(emit, |parser, on_frame| parser.finish(on_frame));
+        self.end_text(emit, BvhParser::finish);
     }
 
     fn finish_cut(&mut self, emit: &mut dyn FnMut(Packet)) {
-        self.end_text(emit, |parser, on_frame| parser.finish_cut(on_frame));
+        self.end_text(emit, BvhParser::finish_cut);
     }
 
     fn reset(&mut self) {
