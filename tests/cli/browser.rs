@@ -1,7 +1,7 @@
 //! A headless Chromium, which is driven by its DevTools protocol.
 
 use std::fs;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, ErrorKind};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -9,12 +9,15 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use tungstenite::{Message, WebSocket};
+use tungstenite::{Error, Message, WebSocket};
 
 use crate::support::process::Process;
 
-/// Longest wait for a state of the page.
+/// Longest wait for a state of the page, and for the answer to a call.
 pub const TIMEOUT: Duration = Duration::from_secs(120);
+
+/// Wait for the answer of a page that may be replaced: what is evaluated in between is sometimes not answered.
+const LOOK_TIMEOUT: Duration = Duration::from_secs(20);
 
 const FLAGS: [&str; 10] = [
     "--headless",
@@ -68,6 +71,9 @@ impl Browser {
         std::thread::spawn(move || lines.count());
         let (address, _) = url["ws://".len()..].split_once('/').expect("a path");
         let stream = TcpStream::connect(address).expect("it listens");
+        stream
+            .set_read_timeout(Some(Duration::from_secs(1)))
+            .expect("it is a socket");
         let (socket, _) = tungstenite::client(&url, stream).expect("a WebSocket");
         let mut browser = Self {
             _process: process,
@@ -85,13 +91,14 @@ impl Browser {
 
     /// Calls a method, and returns its result.
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
-        let answer = self.answer(method, parameters);
+        let answer = self.answer(method, parameters, TIMEOUT);
+        let answer = answer.unwrap_or_else(|| panic!("no answer to {method}"));
         assert!(answer.get("error").is_none(), "{method}: {answer}");
         answer["result"].clone()
     }
 
-    /// Calls a method, and returns the answer, which may be an error.
-    fn answer(&mut self, method: &str, parameters: Value) -> Value {
+    /// Calls a method, and returns the answer, which may be an error; `None` if there is none in this time.
+    fn answer(&mut self, method: &str, parameters: Value, timeout: Duration) -> Option<Value> {
         self.calls += 1;
         let mut call = json!({"id": self.calls, "method": method, "params": parameters});
         if self.session.is_string() {
@@ -99,16 +106,21 @@ impl Browser {
         }
         let message = Message::text(call.to_string());
         self.socket.send(message).expect("the browser runs");
-        loop {
-            let received = self.socket.read().expect("the browser runs");
+        let start = Instant::now();
+        while start.elapsed() < timeout {
+            let received = match self.socket.read() {
+                Err(Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => continue,
+                received => received.expect("the browser runs"),
+            };
             let answer: Value = serde_json::from_slice(&received.into_data()).expect("JSON");
             if answer["id"] == self.calls {
-                return answer;
+                return Some(answer);
             }
             if answer["method"].is_string() {
                 self.events.push(answer);
             }
         }
+        None
     }
 
     /// Evaluates an expression in the page.
@@ -125,10 +137,10 @@ impl Browser {
     ) -> Value {
         let start = Instant::now();
         loop {
-            let answer = self.answer("Runtime.evaluate", evaluation(look));
-            let seen = answer["result"]["result"]["value"].clone();
-            // A page that is being replaced by another one answers with an error.
-            if answer.get("error").is_none() && is_expected(&seen) {
+            let answer = self.answer("Runtime.evaluate", evaluation(look), LOOK_TIMEOUT);
+            let seen = answer.map_or(Value::Null, |it| it["result"]["result"]["value"].clone());
+            // A page that is being replaced by another one answers with an error or not at all.
+            if !seen.is_null() && is_expected(&seen) {
                 println!("{expected}: {seen}");
                 return seen;
             }

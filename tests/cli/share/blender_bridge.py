@@ -74,14 +74,16 @@ addon.tick()
 say(connect_s=time.monotonic() - start, faults=addon.LINK.table.faults)
 ticks_until(lambda: addon.LINK.receiver.received > 100)
 
-# The hand moves the bones and properties.
-applied = []
+# The hand moves the bones and properties. It may rest for a while between two taps.
+applied, bends = [], []
 apply = addon.Table.apply
 addon.Table.apply = lambda table, hand: (apply(table, hand), applied.append(hand.time_us))
-for _ in range(25):
+end = time.monotonic() + 60
+while len(bends) < 25 or (max(bends) - min(bends) < 0.6 and time.monotonic() < end):
     count = len(applied)
     ticks_until(lambda: len(applied) > count)
     bpy.context.view_layer.update()
+    bends.append(cube.location.x)
     matrix = rig.matrix_world.to_3x3()
     say(
         time_us=applied[-1],
@@ -96,6 +98,7 @@ for _ in range(25):
         },
     )
     time.sleep(0.02)
+say(looks=len(bends))
 addon.Table.apply = apply
 
 # A recording of one second becomes key frames.

@@ -116,9 +116,14 @@ fn traced(stage: &str) -> BTreeMap<u64, Value> {
 struct Results(Box<dyn Iterator<Item = Value>>);
 
 impl Results {
+    /// Returns the next result.
+    fn any(&mut self) -> Value {
+        self.0.next().expect("Blender runs to the end")
+    }
+
     /// Returns the next result, which has this field.
     fn next(&mut self, field: &str) -> Value {
-        let result = self.0.next().expect("Blender runs to the end");
+        let result = self.any();
         assert!(result.get(field).is_some(), "no {field}: {result}");
         result
     }
@@ -263,8 +268,11 @@ fn check_live(
     angles: &BTreeMap<u64, Value>,
 ) {
     let (mut worst_degrees, mut worst_value, mut moved) = (0.0_f64, 0.0_f64, Vec::new());
-    for _ in 0..25 {
-        let result = results.next("bones");
+    let looks = loop {
+        let result = results.any();
+        if let Some(looks) = result["looks"].as_u64() {
+            break looks;
+        }
         let time_us = result["time_us"].as_u64().expect("a time");
         let (pose, angles) = (&poses[&time_us]["positions"], &angles[&time_us]["angles"]);
         let joint = |name: &str| {
@@ -298,7 +306,9 @@ fn check_live(
             worst_value = worst_value.max((value(channel.name()) - angle(channel.name())).abs());
         }
         moved.push(value("location"));
-    }
+    };
+    assert_eq!(moved.len() as u64, looks);
+    assert!(looks >= 25, "{looks}");
     println!("largest angle {worst_degrees:.5}°, largest difference of a value {worst_value:.2e}");
     assert!(worst_degrees < MAX_DEGREES, "{worst_degrees}°");
     assert!(worst_value < 1e-4, "{worst_value}");
