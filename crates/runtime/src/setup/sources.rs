@@ -8,9 +8,12 @@ use super::{LoadedSetup, Setup, SetupError};
 use crate::capture::recording::Replay;
 use crate::capture::{
     self, Hc11Format, MAX_SOURCES, MergedSource, PartialSource, SidedSource, Source, SourceUri,
+    StreamUri,
 };
+use crate::files::OpenDocument;
 use crate::network::{self, TokenRole, tokens};
 use crate::sim::resolve_script;
+use ademan_core::document::{Document, FileKind};
 use ademan_core::hand::{HandPart, Side};
 use ademan_core::message::escape;
 use ademan_core::pipeline::{SourcePermissions, SourceRole};
@@ -53,7 +56,7 @@ impl Setup {
         Ok(())
     }
 
-    /// Makes the relative paths of recordings, files of bytes and scripts start in `folder`.
+    /// Makes the relative paths of recordings, files of bytes, scripts, tokens, and pages for headsets start in `folder`.
     pub(super) fn start_sources_in(&mut self, folder: &Path) {
         let other = self.other_hand.as_mut();
         let of_other = other.map(|hand| [&mut hand.source, &mut hand.arm_source]);
@@ -68,12 +71,30 @@ impl Setup {
 fn start_in(folder: &Path, source: &mut SourceUri) {
     match source {
         SourceUri::Recording { path } => *path = folder.join(path.as_path()),
-        SourceUri::Stream(stream) if stream.transport.scheme.name == "file" => {
-            let path = folder.join(&stream.address);
-            stream.address = path.to_string_lossy().into_owned();
-        }
+        SourceUri::Stream(stream) => start_stream_in(folder, stream),
         SourceUri::Script { script } => *script = resolve_script(folder, script),
-        SourceUri::Stream(_) | SourceUri::Typist { .. } => {}
+        SourceUri::Typist { .. } => {}
+    }
+}
+
+fn start_stream_in(folder: &Path, stream: &mut StreamUri) {
+    let start = |path: &mut String| *path = folder.join(&*path).to_string_lossy().into_owned();
+    if stream.transport.scheme.name == "file" {
+        start(&mut stream.address);
+    }
+    // A token without a folder is one of the network folder.
+    if let Some(file) = &mut stream.token_file
+        && network::token_path(file) == Path::new(file)
+    {
+        start(file);
+    }
+    if let Some(pages) = &mut stream.pages {
+        start(&mut pages.folder);
+        if let Some(name) = &mut pages.layout {
+            // The server of the page reports a layout that does not exist.
+            *name =
+                Document::resolve(folder, FileKind::Layout, name).unwrap_or_else(|_| name.clone());
+        }
     }
 }
 
@@ -410,6 +431,21 @@ mod tests {
             (
                 "file:hand.bvh?protocol=bvh",
                 format!("file:{}?protocol=bvh", there("hand.bvh")),
+            ),
+            (
+                "headset:192.168.1.7:8443?page=web&layout=numpad",
+                format!(
+                    "headset:192.168.1.7:8443?page={}&layout=numpad",
+                    there("web")
+                ),
+            ),
+            (
+                "tcp+tls:desk:8443?token_file=./desk.token",
+                format!("tcp+tls:desk:8443?token_file={}", there("./desk.token")),
+            ),
+            (
+                "tcp+tls:desk:8443?token_file=desk.token",
+                "tcp+tls:desk:8443?token_file=desk.token".into(),
             ),
             ("script:wave", format!("script:{}", there("wave"))),
             ("script:lift.txt", format!("script:{}", there("lift.txt"))),
