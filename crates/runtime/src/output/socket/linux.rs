@@ -245,7 +245,7 @@ impl SocketLock {
             let metadata = file.metadata()?;
             if !metadata.is_file() || metadata.len() > 0 {
                 return Err(SocketError::Other(format!(
-                    "{} is not the lock of a socket; use another path",
+                    "{} is not the lock of a socket",
                     escape_path(&path)
                 )));
             }
@@ -292,9 +292,9 @@ fn remove_stale(path: &Path) -> Result<(), SocketError> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(error.into()),
-        Ok(metadata) if !metadata.file_type().is_socket() => Err(SocketError::other(
-            "the file there is not a socket; use another path",
-        )),
+        Ok(metadata) if !metadata.file_type().is_socket() => {
+            Err(SocketError::other("the file there is not a socket"))
+        }
         Ok(_) => remove_if_refused(path, connect_to_any(path).map(drop)),
     }
 }
@@ -313,7 +313,7 @@ fn remove_if_refused(path: &Path, connected: io::Result<()>) -> Result<(), Socke
         // A server may listen there, and only this process cannot connect.
         _ => {
             return Err(SocketError::Other(format!(
-                "cannot tell whether a program listens there: {error}; remove the socket or use another path"
+                "cannot tell whether a program listens there: {error}"
             )));
         }
     };
