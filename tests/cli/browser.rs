@@ -71,10 +71,13 @@ impl Browser {
         std::thread::spawn(move || lines.count());
         let (address, _) = url["ws://".len()..].split_once('/').expect("a path");
         let stream = TcpStream::connect(address).expect("it listens");
-        stream
-            .set_read_timeout(Some(Duration::from_secs(1)))
-            .expect("it is a socket");
+        let is_set = stream.set_read_timeout(Some(TIMEOUT));
+        is_set.expect("it is a socket");
         let (socket, _) = tungstenite::client(&url, stream).expect("a WebSocket");
+        let is_shorter = socket
+            .get_ref()
+            .set_read_timeout(Some(Duration::from_secs(1)));
+        is_shorter.expect("it is a socket");
         let mut browser = Self {
             _process: process,
             _profile: profile,
