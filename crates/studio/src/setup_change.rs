@@ -1,8 +1,12 @@
 //! Changes of the setup from the window: each leads to another session in place of the present one.
 
+use ademan_core::document::{Document, FileKind};
+use ademan_core::hand::Side;
+use ademan_core::layout::Person;
 use ademan_runtime::capture::SourceUri;
+use ademan_runtime::files::OpenDocument;
 use ademan_runtime::output;
-use ademan_runtime::setup::{ArmSetup, Setup, SetupError};
+use ademan_runtime::setup::{ArmSetup, LoadedSetup, Setup, SetupError};
 
 /// A change of the setup, which the next session has.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,9 +28,18 @@ pub enum SetupChange {
 }
 
 impl SetupChange {
-    /// Returns `true` if the session after the change may have another glove.
-    pub fn may_change_glove(&self) -> bool {
-        matches!(self, Self::Source(_) | Self::Glove(_) | Self::File(_))
+    /// Returns `true` if the session after the change of a setup may have another glove.
+    pub fn may_change_glove(&self, present: &LoadedSetup) -> bool {
+        match self {
+            Self::Source(_) | Self::Glove(_) | Self::File(_) => true,
+            // The default glove is for the hand of the person.
+            Self::Person(name) => {
+                let side = name.as_deref().and_then(side_of_person);
+                let sides = [side, present.person.side].map(|it| it.unwrap_or(Side::Right));
+                present.setup.glove.is_none() && sides[0] != sides[1]
+            }
+            Self::Layout(_) | Self::Arm(_) | Self::Output(_) => false,
+        }
     }
 
     /// Returns a setup with the change. Roles that were given to the old source do not pass to the next one. Fails as a
@@ -51,6 +64,12 @@ impl SetupChange {
         let is_output_chosen = matches!(self, Self::Output(_) | Self::File(_));
         is_output_chosen && output::has_effect(&next.output)
     }
+}
+
+/// Returns the hand of a person by the name of the file; `None` if the file has none, or cannot be read, which its load reports.
+fn side_of_person(name: &str) -> Option<Side> {
+    let document = Document::open_kind(FileKind::Person, name).ok()?;
+    Person::parse(&document).ok()?.side
 }
 
 fn with_source(setup: Setup, source: Option<SourceUri>) -> Setup {
@@ -116,6 +135,27 @@ mod tests {
         let next = SetupChange::Source(None).apply(setup).expect("a setup");
         assert_eq!(next.source_uris().count(), 0);
         assert!(next.other_hand.is_some());
+    }
+
+    #[test]
+    fn a_person_with_the_other_hand_brings_another_default_glove() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let person = |side: &str| {
+            let path = folder.path().join(format!("{side}.ron"));
+            std::fs::write(&path, format!("Person(side: \"{side}\")")).expect("a file");
+            SetupChange::Person(path.to_str().map(str::to_owned))
+        };
+        let load = |glove: Option<&str>| {
+            let setup = Setup {
+                source: uri("typist:hello"),
+                glove: glove.map(str::to_owned),
+                ..Setup::default()
+            };
+            setup.load_files().expect("the shipped files")
+        };
+        assert!(person("left").may_change_glove(&load(None)));
+        assert!(!person("right").may_change_glove(&load(None)));
+        assert!(!person("left").may_change_glove(&load(Some("unam-hc11"))));
     }
 
     #[test]

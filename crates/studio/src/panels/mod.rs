@@ -255,7 +255,7 @@ impl PanelState {
     /// changes of the glove that are not saved: they would end with the session.
     pub fn take_setup(&mut self, sensors: &SensorControl) -> Option<SetupChange> {
         let change = self.next_setup.take()?;
-        if change.may_change_glove() && sensors.is_unsaved() {
+        if sensors.is_unsaved() && change.may_change_glove(sensors.setup()) {
             self.refuse(text("devices-unsaved").to_owned());
             return None;
         }
