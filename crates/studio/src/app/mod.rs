@@ -353,7 +353,9 @@ impl StudioApp {
             return attached.update(&mut self.model);
         }
         let mut has_received = false;
-        for snapshot in self.snapshots.try_iter() {
+        // One that arrives during the loop may follow dropped ones, which only a later view replaces.
+        let waiting = self.snapshots.len();
+        for snapshot in self.snapshots.try_iter().take(waiting) {
             self.model.update(&snapshot);
             self.sensors.update(&snapshot);
             has_received = true;

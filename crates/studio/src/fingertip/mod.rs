@@ -87,7 +87,9 @@ impl Fingertip {
 
     /// Receives what the session has sent since the last picture. Does not wait.
     pub fn receive(&mut self) {
-        for snapshot in self.snapshots.try_iter() {
+        // As in the window: one that arrives during the loop may need a later view.
+        let waiting = self.snapshots.len();
+        for snapshot in self.snapshots.try_iter().take(waiting) {
             self.model.update(&snapshot);
         }
         match self.viewer.views().try_recv() {
