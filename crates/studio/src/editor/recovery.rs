@@ -43,7 +43,7 @@ pub(super) struct Recovery {
     /// The other end, to drop a job that is out of date.
     queued: Receiver<Job>,
     error: Arc<Mutex<Option<String>>>,
-    /// Reason why the work is kept under the name that the layout had before.
+    /// Reason why the work is kept under the previous name of the layout.
     move_error: Option<String>,
     writer: Option<JoinHandle<()>>,
 }
@@ -188,7 +188,7 @@ impl LayoutEditor {
             Ok(moved) => *recovery = moved,
             Err(failure) => {
                 recovery.move_error = Some(format!(
-                    "unsaved work is kept under the name before: {failure}; save the layout soon: {}",
+                    "unsaved work is kept under the previous name: {failure}; save the layout soon: {}",
                     escape_path(&recovery.folder)
                 ));
             }
