@@ -62,6 +62,11 @@ impl GloveFile {
         &self.path
     }
 
+    /// Returns `true` if Studio has written this text last.
+    pub fn has_written(&self, text: &str) -> bool {
+        self.written.as_deref() == Some(text)
+    }
+
     /// Returns the path of the copy of a replaced file.
     pub fn backup(&self) -> PathBuf {
         let mut name = self.path.clone().into_os_string();

@@ -96,14 +96,22 @@ impl SensorControl {
             .with_other_hand(other_side(self.setup()))
     }
 
-    /// Goes on with the glove of the session before, if this session was started with the same file: what is not saved stays.
+    /// Goes on with the glove of the session before, if this session was started with the same file, or with what that session has saved
+    /// to it: what is not saved stays.
     pub fn keep_glove(&mut self, before: &mut Self) {
         let (Some(own), Some(edited)) = (&self.editor, &before.editor) else {
             return;
         };
-        if own.document() == edited.document() {
+        let is_saved = match (&self.file, &before.file) {
+            (Ok(file), Ok(saved)) => {
+                file.path() == saved.path() && saved.has_written(&own.document().text)
+            }
+            _ => false,
+        };
+        if is_saved || own.document() == edited.document() {
             self.is_change_due |= own.calibration() != edited.calibration();
             self.editor = before.editor.take();
+            std::mem::swap(&mut self.file, &mut before.file);
         }
     }
 
@@ -315,18 +323,44 @@ impl SensorControl {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use ademan_core::document::Document;
     use ademan_runtime::session::{Session, SessionHandle, SessionOptions};
     use ademan_runtime::setup::Setup;
 
     /// Starts a session of a simulated hand that wears a glove, without an output.
     pub fn session() -> SessionHandle {
+        session_with(None)
+    }
+
+    /// Starts such a session with a glove file.
+    fn session_with(glove: Option<&str>) -> SessionHandle {
         let setup = Setup {
             source: Some("typist:hello".parse().expect("a source")),
+            glove: glove.map(str::to_owned),
             output: "none".into(),
             ..Setup::default()
         };
         let setup = setup.load_files().expect("the shipped files");
         Session::start(setup, SessionOptions::default()).expect("a session")
+    }
+
+    #[test]
+    fn what_is_not_saved_stays_in_the_next_session_also_after_a_save() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("mine.ron");
+        let shipped = Document::shipped("unam-hc11").expect("a shipped glove");
+        std::fs::write(&path, &shipped.text).expect("a file");
+        let first = session_with(path.to_str());
+        let mut sensors = SensorControl::new(first.sensors());
+        sensors.edit(|editor| editor.set_zero_count(4, 40.0));
+        assert!(sensors.save(true));
+        sensors.edit(|editor| editor.set_zero_count(4, 50.0));
+        let second = session_with(path.to_str());
+        let mut next = SensorControl::new(second.sensors());
+        assert!(!next.is_unsaved());
+        next.keep_glove(&mut sensors);
+        assert!(next.is_unsaved());
+        assert!(next.save(false), "Studio has written the file");
     }
 
     #[test]
