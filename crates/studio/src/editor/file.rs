@@ -341,8 +341,12 @@ impl LayoutEditor {
         let Some(tree) = read_tree(other) else {
             return self.selection.clone();
         };
-        let targets = editing::targets(other, &tree);
         let name_in_other = |part: Part| editing::name_of(other, &tree, part);
+        // Read once: all of 10 000 keys may be selected.
+        let targets = editing::targets(other, &tree).into_iter();
+        let named: Vec<(Part, Option<String>)> = targets
+            .map(|target| (target, name_in_other(target)))
+            .collect();
         let moved = |part: Part| {
             let name = self.part_name(part);
             let is_same = name.is_none() || name_in_other(part) == name;
@@ -350,8 +354,9 @@ impl LayoutEditor {
                 return Some(part);
             }
             let is_kind = |own: &Part| mem::discriminant(own) == mem::discriminant(&part);
-            let mut own = targets.iter().copied().filter(is_kind);
-            own.find(|target| name_in_other(*target) == name)
+            let mut own = named.iter().filter(|(target, _)| is_kind(target));
+            let found = own.find(|(_, own_name)| *own_name == name);
+            found.map(|(target, _)| *target)
         };
         let selected = self.selection.iter().copied();
         selected.filter_map(moved).collect()
