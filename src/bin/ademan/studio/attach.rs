@@ -67,8 +67,8 @@ pub fn open(found: Found) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let quiet = Session::start(setup.load_files()?, options)?;
-    // SIGUSR1 to all programs of this name pauses the session that is shown, and does not end the window.
-    pause_signals::install(quiet.commands().clone())?;
+    // SIGUSR1 to all programs of this name pauses the session that is shown, which is in another program, and does not end the window.
+    pause_signals::install_without_session()?;
     let app = StudioApp::new(&quiet).and_then(|app| app.with_attached(attached));
     let app = app.map_err(|error: StudioError| Failure::job(error.to_string()))?;
     let app = with_settings(app.with_pictures(PICTURES));
