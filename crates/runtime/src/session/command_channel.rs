@@ -169,7 +169,7 @@ impl CommandSender {
                 self.pauses.note();
                 put
             }
-            // The second one ends a pause that is noted, or requests one of a client, which is not.
+            // `TogglePause` ends a noted pause, or requests a pause of a client, which is not noted.
             Command::Resume | Command::TogglePause => {
                 let known = self.pauses.known();
                 self.put(command, reply)?;
