@@ -1,6 +1,6 @@
 //! The messages of a client: lines of text within limits.
 
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{Read, Write};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -10,6 +10,7 @@ use tungstenite::{Message, WebSocket};
 
 use super::clients::ClientId;
 use super::message_stream::MessageStream;
+use crate::capture::connection::is_idle;
 
 /// Longest message: no protocol has longer lines.
 const MAX_MESSAGE_BYTES: usize = 1 << 16;
@@ -94,7 +95,7 @@ impl<S: Read + Write> MessageReceiver<S> {
         let mut sent = self.socket.send(Message::text(text));
         // A single write of the connection may take less time than a slow network needs.
         while let Err(tungstenite::Error::Io(error)) = &sent
-            && is_timeout(error)
+            && is_idle(error.kind())
             && Instant::now() < deadline
         {
             sent = self.socket.flush();
@@ -102,7 +103,7 @@ impl<S: Read + Write> MessageReceiver<S> {
         self.socket
             .set_config(|config| config.max_write_buffer_size = limit);
         match sent {
-            Err(tungstenite::Error::Io(error)) if is_timeout(&error) => Err(format!(
+            Err(tungstenite::Error::Io(error)) if is_idle(error.kind()) => Err(format!(
                 "the client did not read an answer within {} s",
                 timeout.as_secs()
             )),
@@ -135,7 +136,7 @@ impl<S: Read + Write> MessageReceiver<S> {
     pub fn next(&mut self) -> Result<Option<Vec<u8>>, String> {
         let message = match self.socket.read() {
             Ok(message) => message,
-            Err(tungstenite::Error::Io(error)) if is_timeout(&error) => {
+            Err(tungstenite::Error::Io(error)) if is_idle(error.kind()) => {
                 self.check_silence()?;
                 return Ok(None);
             }
@@ -184,7 +185,7 @@ impl<S: Read + Write> MessageReceiver<S> {
             None if self.heard_at.elapsed() >= limit / 2 => {
                 self.asked_at = Some(Instant::now());
                 match self.socket.send(Message::Ping(tungstenite::Bytes::new())) {
-                    Err(tungstenite::Error::Io(error)) if is_timeout(&error) => Ok(()),
+                    Err(tungstenite::Error::Io(error)) if is_idle(error.kind()) => Ok(()),
                     sent => sent.map_err(|error| error.to_string()),
                 }
             }
@@ -210,15 +211,10 @@ pub(in crate::capture::transport) fn send_when_there_is_room(
     false
 }
 
-fn is_timeout(error: &io::Error) -> bool {
-    matches!(
-        error.kind(),
-        ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
-    )
-}
-
 #[cfg(all(test, feature = "tls"))]
 mod tests {
+    use std::io::{self, ErrorKind};
+
     use tungstenite::protocol::Role;
 
     use super::*;
