@@ -8,6 +8,7 @@ use crossbeam_channel::{Receiver, Select, never};
 use super::LayoutReport;
 use super::active_layout::ActiveLayout;
 use super::file_watcher::FileWatcher;
+use crate::session::counted;
 use crate::session::layout_link::{LayoutLink, LayoutOperation, LayoutRequest, SessionEnded};
 use crate::session::layout_trial::TrialRequest;
 use crate::session::reply::{Reply, RequestError};
@@ -300,9 +301,8 @@ where
         }
         let missed = self.link.take_missed();
         if missed > 0 {
-            let text = format!(
-                "too many commands for the layout were waiting; try again, as these were not executed: {missed}"
-            );
+            let commands = counted(missed as u64, "command");
+            let text = format!("{commands} not executed: too many were waiting; try again");
             (self.report)(LayoutReport::Command(Err(text)));
         }
         drop(done);
@@ -431,6 +431,6 @@ mod tests {
         }
         let texts: Vec<String> = reports.try_iter().map(|it| it.to_string()).collect();
         assert_eq!(texts.len(), 3, "{texts:?}");
-        assert!(texts[1].ends_with("not executed: 2"), "{texts:?}");
+        assert!(texts[1].starts_with("2 commands not executed"), "{texts:?}");
     }
 }
