@@ -16,7 +16,7 @@ use ademan::hand::Side;
 use ademan::output;
 use ademan::pipeline::SourceRole;
 use ademan::session::{SessionHandle, SessionOptions};
-use ademan::setup::LoadedSetup;
+use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::{SimulatedStream, SimulatedTypist};
 use ademan::time::Timestamp;
 
@@ -210,10 +210,22 @@ fn load_setup(args: &Args) -> Result<(LoadedSetup, bool), Failure> {
         let side = person.and_then(|person| person.side);
         setup = demo::with_simulated_gloves(setup, side.unwrap_or(Side::Right))?;
     } else if !output::has_effect(&setup.output) {
-        // The role protects other programs, and no output reaches one.
-        setup.role.get_or_insert(SourceRole::Both);
+        permit_keys(&mut setup);
     }
     Ok((setup.load_files()?, is_simulated))
+}
+
+/// Lets every source without a role press keys. Roles protect other programs, and no output reaches one.
+fn permit_keys(setup: &mut Setup) {
+    setup.role.get_or_insert(SourceRole::Both);
+    setup.arm_role.get_or_insert(SourceRole::Both);
+    if let Some(other) = &mut setup.other_hand {
+        other.arm_role.get_or_insert(SourceRole::Both);
+        // Without a source of its own, the other hand has the role of the first one.
+        if other.source.is_some() {
+            other.role.get_or_insert(SourceRole::Both);
+        }
+    }
 }
 
 /// Types a text: runs the session until it is typed, the source ends or a signal ends it.
@@ -314,5 +326,23 @@ fn follow(session: &SessionHandle, task: &mut impl PracticeTask, is_drawn: bool)
             let _ = session.commands().send(Command::Stop);
             break;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_person_practices_with_hands_and_arms_that_come_over_the_network() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("setup.ron");
+        let text = "Setup(source: \"serial:/dev/ttyUSB0\", arm_source: \"udp:127.0.0.1:9000?protocol=markers\", \
+                    other_hand: (source: \"tcp:127.0.0.1:4001\", arm_source: \"udp:127.0.0.1:9001?protocol=markers\"))";
+        std::fs::write(&path, text).unwrap();
+        let args = Args::for_setup(path.to_str().map(str::to_owned), None);
+        let (setup, _) = load_setup(&args).unwrap();
+        let roles = setup.sources().map(|(_, permissions)| permissions.role);
+        assert_eq!(roles.collect::<Vec<_>>(), [SourceRole::Both; 2]);
     }
 }
