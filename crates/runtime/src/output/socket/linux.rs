@@ -233,6 +233,13 @@ impl SocketLock {
         path.push(".lock");
         let path = PathBuf::from(path);
         for _ in 0..MAX_LOCK_ATTEMPTS {
+            // The setup of another person may name `Cargo`: `Cargo.lock` must not be removed, nor become private.
+            if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file() || found.len() > 0) {
+                return Err(SocketError::Other(format!(
+                    "{} is not the lock of a socket",
+                    escape_path(&path)
+                )));
+            }
             let file = files::open_private(&path).map_err(|error| {
                 SocketError::Other(format!("cannot open {}: {error}", escape_path(&path)))
             })?;
@@ -240,14 +247,6 @@ impl SocketLock {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => return Err(SocketError::InUse),
                 Err(TryLockError::Error(error)) => return Err(error.into()),
-            }
-            // A path that a setup of another person names must not remove `Cargo.lock`.
-            let metadata = file.metadata()?;
-            if !metadata.is_file() || metadata.len() > 0 {
-                return Err(SocketError::Other(format!(
-                    "{} is not the lock of a socket",
-                    escape_path(&path)
-                )));
             }
             let lock = Self {
                 file,
@@ -336,6 +335,7 @@ fn bind_private(path: &Path) -> rustix::io::Result<UnixListener> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::os::unix::fs::PermissionsExt;
     use std::os::unix::net::UnixDatagram;
 
     #[test]
@@ -428,9 +428,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("Cargo.lock");
         fs::write(&file, "mine").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o644)).unwrap();
         let error = Listener::open(&folder.path().join("Cargo")).err().unwrap();
         assert!(error.to_string().contains("is not the lock"), "{error}");
         assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
+        assert_eq!(fs::metadata(&file).unwrap().mode() & 0o777, 0o644);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
