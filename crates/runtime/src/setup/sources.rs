@@ -82,6 +82,10 @@ fn start_stream_in(folder: &Path, stream: &mut StreamUri) {
     if stream.transport.scheme.name == "file" {
         start(&mut stream.address);
     }
+    // The text of a source cannot have it in an option.
+    if folder.to_string_lossy().contains('&') {
+        return;
+    }
     // A token without a folder is one of the network folder.
     if let Some(file) = &mut stream.token_file
         && network::token_path(file) == Path::new(file)
