@@ -5,6 +5,8 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::process::Command;
 
+use super::process::limit_lifetimes;
+
 /// A folder of settings that does not exist, and that not even root can make, because it is below a file.
 pub const NO_FOLDER: &str = "/dev/null/nowhere";
 
@@ -21,6 +23,7 @@ pub fn copy_binary(path: &Path) {
 
 /// Returns the command `ademan` with these arguments. It may type as root, as containers run tests as root.
 pub fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
+    limit_lifetimes();
     // Set in a virtual machine, where the binary is not at the path at which it was built.
     let program = env::var_os("ADEMAN_PROGRAM");
     let program = program.unwrap_or_else(|| env!("CARGO_BIN_EXE_ademan").into());

@@ -1,10 +1,24 @@
 //! Child processes of a test.
 
+use std::collections::BTreeMap;
+use std::env;
 use std::fs;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::process::{Child, Command};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
 use std::thread;
+use std::time::{Duration, Instant};
+
+/// The time in which each child process of a test ends, even on a busy machine.
+const LIFETIME: Duration = Duration::from_secs(600);
+
+/// Variables with which a person makes a test longer, and the one that is set in a virtual machine, which has a limit of its own.
+const NO_LIMIT: [&str; 4] = [
+    "ADEMAN_CHAOS_SECONDS",
+    "ADEMAN_MINUTES",
+    "ADEMAN_PROGRAM",
+    "ADEMAN_VM_TIMES",
+];
 
 /// A child process that is killed when this is dropped.
 pub struct Process(pub Child);
@@ -12,6 +26,7 @@ pub struct Process(pub Child);
 impl Process {
     /// Starts the process.
     pub fn start(command: &mut Command) -> io::Result<Self> {
+        limit_lifetimes();
         let _lock = lock_spawning();
         command.spawn().map(Self)
     }
@@ -21,6 +36,58 @@ impl Drop for Process {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
+    }
+}
+
+/// Kills each child process of this test program, now or later, that takes longer than any test needs (Linux). What waits for such
+/// a process or reads from it fails then, and does not wait without an end.
+pub fn limit_lifetimes() {
+    static LIMIT: Once = Once::new();
+    if NO_LIMIT.iter().all(|name| env::var_os(name).is_none()) {
+        LIMIT.call_once(|| _ = thread::spawn(kill_what_does_not_end));
+    }
+}
+
+fn kill_what_does_not_end() {
+    let mut first_seen: BTreeMap<u32, Instant> = BTreeMap::new();
+    loop {
+        thread::sleep(Duration::from_secs(5));
+        let present = children(std::process::id());
+        first_seen.retain(|id, _| present.contains(id));
+        for id in present {
+            let since = first_seen.entry(id).or_insert_with(Instant::now);
+            if since.elapsed() > LIFETIME {
+                kill_with_children(id);
+            }
+        }
+    }
+}
+
+/// Kills a process and all that it has started, which may have inherited its pipes.
+fn kill_with_children(process: u32) {
+    let line = fs::read(format!("/proc/{process}/cmdline")).unwrap_or_default();
+    // A process that has ended, but that no test has waited for, has none.
+    if line.is_empty() {
+        return;
+    }
+    let mut all = vec![process];
+    let mut next = 0;
+    while let Some(&parent) = all.get(next) {
+        all.extend(children(parent));
+        next += 1;
+    }
+    let line = String::from_utf8_lossy(&line).replace('\0', " ");
+    // What a macro prints belongs to the test that has started the first process.
+    let _ = writeln!(
+        io::stderr(),
+        "killed, because it did not end in {LIFETIME:?}: {line}"
+    );
+    let mut kill = Command::new("kill");
+    kill.args(["-s", "KILL"])
+        .args(all.iter().map(u32::to_string));
+    // Some of them may have ended since.
+    if let Ok(mut kill) = Process::start(&mut kill) {
+        let _ = kill.0.wait();
     }
 }
 

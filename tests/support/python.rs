@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 
+use super::process::limit_lifetimes;
+
 /// Held during an installation. Tests of one binary share a folder, and a second `venv --clear` empties the folder of the first.
 static INSTALLATION: Mutex<()> = Mutex::new(());
 
@@ -31,6 +33,7 @@ pub fn python(name: &str, modules: &str, packages: &[&str]) -> Result<PathBuf, S
 }
 
 fn run(program: &Path, arguments: &[&str]) -> Result<(), String> {
+    limit_lifetimes();
     match Command::new(program).args(arguments).output() {
         Ok(output) if output.status.success() => Ok(()),
         Ok(output) => Err(String::from_utf8_lossy(&output.stderr).trim().to_owned()),

@@ -1,7 +1,7 @@
 //! `ademan run` with a layout file of its own and a simulated glove on the network.
 
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpListener;
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
+use std::net::{TcpListener, TcpStream};
 use std::path::PathBuf;
 use std::process::Stdio;
 use std::sync::{Arc, Mutex};
@@ -164,9 +164,29 @@ impl Run {
     }
 }
 
+/// Waits for the next client of a listener.
+pub fn accept(listener: &TcpListener) -> TcpStream {
+    let start = Instant::now();
+    listener.set_nonblocking(true).expect("a socket");
+    loop {
+        match listener.accept() {
+            Ok((client, _)) => {
+                // Some systems let it inherit the mode of its listener.
+                client.set_nonblocking(false).expect("a socket");
+                return client;
+            }
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                assert!(start.elapsed() < TIMEOUT, "no client connects");
+                thread::sleep(Duration::from_millis(1));
+            }
+            Err(error) => panic!("no client connects: {error}"),
+        }
+    }
+}
+
 /// Sends the posture at the pace of the line until the connection ends.
 fn send(listener: &TcpListener, posture: &Mutex<Posture>) {
-    let (mut line, _) = listener.accept().expect("the program connects");
+    let mut line = accept(listener);
     loop {
         let packet = encode(Framing::Double06, &posture.lock().expect("no panic"));
         if line.write_all(&packet).is_err() {
