@@ -14,6 +14,7 @@ use ademan::session::{Session, SessionOptions};
 use ademan::setup::Setup;
 
 use crate::support::lucidgloves::{PRESSED, curls, taps};
+use crate::support::run::{TIMEOUT, accept};
 use ademan::hand::Finger;
 
 /// A sink that panics when it is told to.
@@ -53,7 +54,8 @@ fn a_panic_of_the_session_frees_all_fingers() {
     };
     let session = Session::start(setup.load_files().expect("a valid setup"), options);
     let session = session.expect("it starts");
-    let (mut glove, _) = listener.accept().expect("the session connects");
+    let mut glove = accept(&listener);
+    glove.set_read_timeout(Some(TIMEOUT)).expect("a time-out");
     let feedback = BufReader::new(glove.try_clone().expect("a descriptor"));
     thread::spawn(move || {
         let mut held = [0.0; Finger::COUNT];

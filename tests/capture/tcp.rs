@@ -1,7 +1,7 @@
 //! HC11 packets from a TCP server, on the loopback address.
 
 use std::io::Write;
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, PACKET_BYTES, encode};
@@ -9,6 +9,7 @@ use ademan::capture::loopback::open_tcp_loopback;
 use ademan::capture::{CaptureError, Hc11Format, Sample, Source, SourceEvent, SourceUri, open};
 
 use crate::support::free_address::free_address;
+use crate::support::run::accept;
 use crate::support::source::next_within;
 
 /// Longest wait on a busy machine.
@@ -19,10 +20,6 @@ fn server() -> (TcpListener, SourceUri) {
     let address = listener.local_addr().expect("its address");
     let uri = format!("tcp:{address}?protocol=hc11&baud=115200");
     (listener, uri.parse().expect("a source URI"))
-}
-
-fn accept(listener: &TcpListener) -> TcpStream {
-    listener.accept().expect("the source connects").0
 }
 
 /// Returns packets whose counts are all `first`, `first + 1`, ….

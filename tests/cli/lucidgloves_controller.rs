@@ -7,7 +7,7 @@ use std::process::Stdio;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crossbeam_channel::Receiver;
 use serialport::{SerialPort, TTYPort};
@@ -133,7 +133,9 @@ impl Run {
     /// Waits until some lines with the present inputs were sent.
     fn hold(&self) {
         let end = self.lines.load(Ordering::Relaxed) + 10;
+        let start = Instant::now();
         while self.lines.load(Ordering::Relaxed) < end {
+            assert!(start.elapsed() < TIMEOUT, "the glove sends nothing");
             thread::sleep(PERIOD);
         }
     }

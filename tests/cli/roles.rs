@@ -226,8 +226,9 @@ fn a_source_on_the_network_ends_its_own_pause_but_no_pause_by_a_command() {
     wait_for(by_layout);
     wait_for(ARMED);
     ctl("pause");
-    let before = played.load(Ordering::Relaxed);
+    let (before, start) = (played.load(Ordering::Relaxed), Instant::now());
     while played.load(Ordering::Relaxed) < before + 4 {
+        assert!(start.elapsed() < TIMEOUT, "the hand stands still");
         thread::sleep(MOVE_TIME);
     }
     let state = ctl("state");

@@ -8,6 +8,7 @@ use std::process::{Child, Command, Stdio};
 use super::ademan;
 use crate::support::binary::NO_FOLDER;
 use crate::support::free_address::free_address;
+use crate::support::run::accept;
 
 /// A program that is killed at the end of the test.
 struct Running(Child);
@@ -35,9 +36,11 @@ impl Drop for Running {
     }
 }
 
+/// Returns the next line. Fails at the end, which a test would otherwise read again and again.
 fn line(reader: &mut impl BufRead) -> String {
     let mut line = String::new();
-    reader.read_line(&mut line).unwrap();
+    let length = reader.read_line(&mut line).unwrap();
+    assert!(length > 0, "the program has ended");
     line
 }
 
@@ -107,15 +110,9 @@ fn sigusr1_to_all_programs_of_the_name_ends_no_recording() {
     let address = listener.local_addr().unwrap();
     let source = format!("tcp:{address}?protocol=text-line");
     let mut record = Running::start(&["record", super::text(&path), "--source", &source]);
-    let _sender = listener.accept().unwrap();
+    let _sender = accept(&listener);
     let mut err = BufReader::new(record.0.stderr.take().unwrap());
-    loop {
-        let message = line(&mut err);
-        assert_ne!(message, "", "the recording has ended");
-        if message.starts_with("recording to ") {
-            break;
-        }
-    }
+    while !line(&mut err).starts_with("recording to ") {}
     record.signal("USR1");
     record.signal("INT");
     assert_eq!(record.0.wait().unwrap().code(), Some(0));
@@ -173,7 +170,7 @@ fn a_run_waits_for_a_device_and_reports_it_once() {
     std::thread::sleep(std::time::Duration::from_millis(700));
 
     let listener = TcpListener::bind(address).unwrap();
-    let (mut glove, _) = listener.accept().unwrap();
+    let mut glove = accept(&listener);
     glove.write_all(&[0; 10]).unwrap();
     assert!(line(&mut err).starts_with("found tcp:"));
     run.signal("INT");
@@ -257,13 +254,7 @@ fn a_run_that_is_started_by_nohup_ignores_a_hangup_and_no_other_signal() {
     let mut out = BufReader::new(run.0.stdout.take().unwrap());
     assert!(line(&mut out).contains("down A"));
     run.signal("HUP");
-    loop {
-        let line = line(&mut out);
-        assert_ne!(line, "", "the run has ended");
-        if line.contains("down T") {
-            break;
-        }
-    }
+    while !line(&mut out).contains("down T") {}
     run.signal("TERM");
     let mut rest = String::new();
     out.read_to_string(&mut rest).unwrap();

@@ -6,6 +6,7 @@ use std::process::Stdio;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::support::run::accept;
 use crate::support::source::{TYPING_RATE_HZ, text_lines};
 use crate::text_line::pressed_keys;
 use crate::{ademan, file, run};
@@ -45,7 +46,7 @@ impl Server {
     }
 
     fn accept(&mut self) {
-        let (peer, _) = self.listener.accept().expect("a client");
+        let peer = accept(&self.listener);
         peer.set_nodelay(true).expect("a TCP socket");
         self.peer = Some(peer);
     }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::support::binary::ademan;
 use crate::support::press::Press;
 use crate::support::process::Process;
-use crate::support::run::line_receiver;
+use crate::support::run::{accept, line_receiver};
 use crate::support::wearer::packets;
 
 /// Time in which the peer sends.
@@ -25,7 +25,7 @@ fn text_between_packets_causes_one_message_in_ten_seconds_and_a_count() {
         .stderr(Stdio::piped());
     let mut program = Process::start(&mut command).expect("the program starts");
     let lines = line_receiver(program.0.stderr.take().expect("it is piped"));
-    let (mut peer, _) = listener.accept().expect("the program connects");
+    let mut peer = accept(&listener);
     let clear = Press::for_text("h").clear();
     let mut piece = packets(&[clear; 3]);
     piece.extend(b"\r\nBUFFALO 3.4 (ext) - a line of text\r\n");

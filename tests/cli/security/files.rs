@@ -5,7 +5,7 @@ use std::fs::{self, Permissions};
 use std::io::{Read, Write};
 use std::net::Shutdown;
 use std::os::unix::fs::{PermissionsExt, chown, symlink};
-use std::os::unix::net::UnixListener;
+use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 use std::process::Stdio;
 use std::thread;
@@ -202,5 +202,7 @@ fn a_server_of_another_user_gets_no_command() {
         "{}",
         ended.err
     );
+    // A program that does not even connect leaves the server waiting.
+    drop(UnixStream::connect(&path));
     assert_eq!(server.join().expect("no panic"), [0; 0], "no request");
 }

@@ -1,12 +1,11 @@
 //! The demo types into a terminal, and characters that are not in the keymap.
 
-use std::thread;
-
 use ademan::device::EventKind;
 use ademan::output::Sink;
 
 use super::compositor::{Compositor, event};
 use super::window::{Terminal, Window};
+use crate::support::x11::wait_for;
 
 /// The message of the demo after a stall.
 const STALLED: &str = "the typed text differs from the given one";
@@ -109,9 +108,8 @@ fn a_text_with_a_character_that_no_key_types_is_dropped_entirely_and_is_no_failu
     for text in ["a\u{fffe}b", "c"] {
         sink.send(&characters(text)).expect("the queue has room");
     }
-    while !sink.has_stalled() || sink.dropped_presses() < 4 {
-        thread::yield_now();
-    }
+    let are_dropped = wait_for(|| sink.has_stalled() && sink.dropped_presses() >= 4);
+    assert!(are_dropped, "{} presses", sink.dropped_presses());
     // As the loop does after a stall.
     sink.void_presses();
     sink.send(&characters("d")).expect("the queue has room");

@@ -18,7 +18,7 @@ use tempfile::TempDir;
 
 use crate::picture;
 use crate::played_hand::PlayedHand;
-use crate::window::{Opening, StudioWindow};
+use crate::window::{Opening, StudioWindow, TIMEOUT};
 
 /// A session whose hand holds the key H, and a window of another one that shows it.
 struct Attachment {
@@ -239,6 +239,7 @@ fn the_other_session_goes_on_when_the_window_is_closed() {
     let state = client.request(r#"{"command":"state"}"#).expect("a state");
     assert!(state.contains(r#""state":"running""#), "{state}");
     let viewer = other.add_viewer();
-    let view = viewer.views().recv().expect("the session runs");
+    let view = viewer.views().recv_timeout(TIMEOUT);
+    let view = view.expect("the session runs");
     assert_eq!(view.state.keys.len(), 1, "the key is held");
 }

@@ -220,7 +220,7 @@ fn a_glove_is_found_and_each_page_has_a_proposal() {
             session
                 .add_viewer()
                 .views()
-                .recv()
+                .recv_timeout(TIMEOUT)
                 .is_ok_and(|view| view.state.counts.received > 0)
         })
     });

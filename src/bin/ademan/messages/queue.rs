@@ -130,6 +130,9 @@ mod tests {
         (MessageQueue::start(writer, no_due).unwrap(), reader)
     }
 
+    /// Longest wait on a busy machine.
+    const TIMEOUT: Duration = Duration::from_secs(60);
+
     /// Longer than the buffer of a pipe.
     const MORE_THAN_FITS: usize = 1000;
 
@@ -143,14 +146,15 @@ mod tests {
         queue.flush(Duration::from_millis(1));
         let missed = queue.missed.load(Ordering::Relaxed);
         assert!(missed > 0, "the queue is bounded");
-        let reader = thread::spawn(move || {
+        let (sender, read) = bounded(1);
+        thread::spawn(move || {
             let mut text = String::new();
             reader.read_to_string(&mut text).unwrap();
-            text
+            sender.send(text).unwrap();
         });
-        queue.flush(Duration::from_secs(60));
+        queue.flush(TIMEOUT);
         drop(queue);
-        let text = reader.join().unwrap();
+        let text = read.recv_timeout(TIMEOUT).unwrap();
         let written = text
             .lines()
             .filter(|read_line| read_line.starts_with('x'))
@@ -171,8 +175,12 @@ mod tests {
         let queue = MessageQueue::start(writer, take_due).unwrap();
         due.send("late\n".into()).unwrap();
         queue.wake();
-        let mut line = String::new();
-        io::BufRead::read_line(&mut io::BufReader::new(reader), &mut line).unwrap();
-        assert_eq!(line, "late\n");
+        let (sender, read) = bounded(1);
+        thread::spawn(move || {
+            let mut line = String::new();
+            io::BufRead::read_line(&mut io::BufReader::new(reader), &mut line).unwrap();
+            sender.send(line).unwrap();
+        });
+        assert_eq!(read.recv_timeout(TIMEOUT).unwrap(), "late\n");
     }
 }

@@ -233,6 +233,8 @@ mod tests {
 
     use super::*;
 
+    const LONGEST_WAIT: Duration = Duration::from_secs(60);
+
     /// Starts the session of a window with the simulated hand.
     fn sessions() -> Sessions {
         sessions_of(Setup::default())
@@ -258,11 +260,13 @@ mod tests {
         opened: Result<Option<StudioApp>, Failure>,
     ) -> Result<StudioApp, Failure> {
         let mut latest = opened;
+        let start = std::time::Instant::now();
         loop {
             match latest? {
                 Some(app) => return Ok(app),
                 None => latest = sessions.go_on(),
             }
+            assert!(start.elapsed() < LONGEST_WAIT, "it does not start");
         }
     }
 
@@ -277,15 +281,15 @@ mod tests {
 
     /// Returns `true` if the session runs.
     fn is_running(sessions: &Sessions) -> bool {
-        let view = sessions.program(|session| Ok(session.add_viewer().views().recv().is_ok()));
-        view.is_ok_and(|has_view| has_view)
+        let viewer = sessions.program(|session| Ok(session.add_viewer()));
+        viewer.is_ok_and(|found| found.views().recv_timeout(LONGEST_WAIT).is_ok())
     }
 
     /// Returns the first view of the session after its start.
     fn first_view(sessions: &Sessions) -> View {
         let viewer = sessions.program(|session| Ok(session.add_viewer()));
         let viewer = viewer.expect("a session");
-        let mut views = viewer.views().iter();
+        let mut views = std::iter::from_fn(|| viewer.views().recv_timeout(LONGEST_WAIT).ok());
         let first = views.find(|view| view.state.state != PipelineState::Starting);
         first.expect("a view of the running session")
     }

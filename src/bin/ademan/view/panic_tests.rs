@@ -38,7 +38,8 @@ fn panic_in_a_view(place: &str) {
             "main" => panic!("intended"),
             "thread" => {
                 assert!(thread::spawn(|| panic!("intended")).join().is_err());
-                stopped.recv().expect("the panic stops the program");
+                let is_stopped = stopped.recv_timeout(Duration::from_secs(60));
+                is_stopped.expect("the panic stops the program");
             }
             _ => {
                 let _again = PanicOnDrop;
