@@ -426,11 +426,12 @@ fn a_client_that_does_not_read_is_disconnected_without_effect_on_others() {
             }
         });
         let start = Instant::now();
-        // A write to a closed connection fails.
-        wait_until(|| silent.write_all(b" ").is_err());
+        // A write to a closed connection fails. A panic here would wait for the thread.
+        let is_disconnected = crate::support::x11::wait_for(|| silent.write_all(b" ").is_err());
         println!("disconnected after {:?}", start.elapsed());
         is_over.store(true, Ordering::Relaxed);
         typing.join().expect("the thread does not panic");
+        assert!(is_disconnected, "timed out");
     });
     let state = request(&mut client(&run), r#"{"command":"pause"}"#);
     assert_eq!(state["ok"], true);

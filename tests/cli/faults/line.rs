@@ -47,8 +47,8 @@ impl PseudoTerminal {
 
     /// Sends bytes as fast as the terminal accepts them.
     pub fn send(&mut self, bytes: &[u8]) {
-        // The buffer of a terminal is small.
-        for piece in bytes.chunks(256) {
+        // A longer piece may not fit into a terminal that is ready, and would wait for a program that does not read.
+        for piece in bytes.chunks(128) {
             self.remote_end
                 .write_all(piece)
                 .expect("the terminal accepts bytes");
