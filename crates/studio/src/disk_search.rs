@@ -59,7 +59,8 @@ mod tests {
         search.update();
         assert_eq!(search.found().as_slice(), [""; 0]);
         answer.send("here").expect("the thread waits for it");
-        let thread = notified.recv().expect("the end of the search");
+        let thread = notified.recv_timeout(std::time::Duration::from_secs(60));
+        let thread = thread.expect("the end of the search");
         assert_eq!(thread.as_deref(), Some("search"));
         search.update();
         assert_eq!(search.found().as_slice(), ["here"]);

@@ -244,7 +244,9 @@ mod tests {
         let connector = failing(&["absent"; 1000]);
         let attempts = connector.attempts.clone();
         let reconnect = Reconnect::start(connector, BackOff(Duration::from_millis(1)));
+        let start = Instant::now();
         while attempts.load(Ordering::SeqCst) == 0 {
+            assert!(start.elapsed() < TIMEOUT, "no attempt");
             std::thread::yield_now();
         }
         let events = reconnect.events.clone();

@@ -21,6 +21,15 @@ pub(super) fn up(micros: u64, name: &str) -> OutputEvent {
     event(micros, EventKind::KeyUp(key(name)))
 }
 
+/// Waits until another thread has made a condition true. Fails if it does not.
+pub(super) fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
+    let start = std::time::Instant::now();
+    while !condition() {
+        assert!(start.elapsed().as_secs() < 60, "awaited in vain: {what}");
+        std::thread::yield_now();
+    }
+}
+
 fn open_error(names: &str) -> String {
     let opened = open(names, &Capabilities::default());
     opened.err().unwrap().to_string()

@@ -320,6 +320,15 @@ impl Drop for CommandReceiver {
 mod tests {
     use super::*;
 
+    /// Waits until another thread has made a condition true. Fails if it does not.
+    fn wait_until(what: &str, condition: impl Fn() -> bool) {
+        let start = std::time::Instant::now();
+        while !condition() {
+            assert!(start.elapsed().as_secs() < 60, "awaited in vain: {what}");
+            thread::yield_now();
+        }
+    }
+
     #[test]
     fn stop_reaches_a_loop_whose_queue_is_full() {
         let (sender, receiver) = command_channel();
@@ -447,6 +456,7 @@ mod tests {
             }
         });
         assert_eq!(sender.request(Command::State), Err(RequestError::Ended));
+        wait_until("the end of the session", || session.is_finished());
         session.join().unwrap();
         assert_eq!(sender.send(Command::Pause), Err(RequestError::Ended));
     }
@@ -457,9 +467,7 @@ mod tests {
         let client = sender.clone();
         let timeout = Duration::from_secs(60);
         let request = thread::spawn(move || client.request_with_timeout(Command::State, timeout));
-        while receiver.queue.is_empty() {
-            thread::yield_now();
-        }
+        wait_until("a request", || !receiver.queue.is_empty());
         drop(receiver);
         assert_eq!(request.join().unwrap(), Err(RequestError::Ended));
         drop(sender);
@@ -486,6 +494,7 @@ mod tests {
             }
         });
         sender.send(Command::Pause).unwrap();
+        wait_until("the end of the session", || session.is_finished());
         session.join().unwrap();
     }
 }

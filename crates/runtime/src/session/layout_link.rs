@@ -292,6 +292,9 @@ mod tests {
     use crate::setup::Setup;
     use crate::sim::HandTask;
 
+    /// Longest wait on a busy machine.
+    const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(60);
+
     #[test]
     fn hands_follow_a_layout_whose_profile_became_active_before_the_swap() {
         let setup = Setup::default().load_files().unwrap();
@@ -302,11 +305,13 @@ mod tests {
         loop_end.set_active_profile(1);
         let instance = LayoutInstance::from_layout(&setup.layout);
         let activation = thread::spawn(move || link.activate(instance, 0, false));
-        let swap = loop_end.swaps().recv().unwrap();
+        let swap = loop_end.swaps().recv_timeout(TIMEOUT).unwrap();
         loop_end.set_active_profile(0);
         swap.retired.send(swap.layout).unwrap();
         let mut is_followed = false;
+        let start = std::time::Instant::now();
         while !activation.is_finished() {
+            assert!(start.elapsed() < TIMEOUT, "the activation does not end");
             is_followed |= setup.layout_feed.is_changing();
             thread::yield_now();
         }
@@ -329,7 +334,7 @@ mod tests {
         let layout = Layout::parse(text, "session.ron").unwrap();
         let instance = LayoutInstance::from_layout(&layout);
         let activation = thread::spawn(move || link.activate_text_of("edited.ron", instance, 0));
-        let swap = loop_end.swaps().recv().unwrap();
+        let swap = loop_end.swaps().recv_timeout(TIMEOUT).unwrap();
         let active = swap.layout.layout().map(|it| it.file.clone());
         assert_eq!(active.as_deref(), Some("session.ron"));
         swap.retired.send(swap.layout).unwrap();

@@ -111,6 +111,11 @@ mod tests {
             sent.expect("no message is missed");
             waker.wake();
         }
+        let start = std::time::Instant::now();
+        while !receiver.is_finished() {
+            assert!(start.elapsed().as_secs() < 60, "the last message is missed");
+            thread::yield_now();
+        }
         receiver.join().unwrap();
     }
 }

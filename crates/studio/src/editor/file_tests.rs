@@ -244,7 +244,9 @@ fn a_full_disk_keeps_the_old_file_and_the_text() {
     );
     assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
     assert!(editor.is_modified());
+    let start = std::time::Instant::now();
     while editor.recovery_error().is_none() {
+        assert!(start.elapsed().as_secs() < 60, "no error");
         std::thread::sleep(Duration::from_millis(5));
     }
     assert!(
@@ -260,7 +262,9 @@ fn a_full_disk_keeps_the_old_file_and_the_text() {
 
 /// Opens a file after its editor has ended. A program that another test starts has a copy of the lock until it runs.
 fn reopen(path: &Path, recovery: &Path) -> (LayoutEditor, Option<UnsavedWork>) {
+    let start = std::time::Instant::now();
     loop {
+        assert!(start.elapsed().as_secs() < 60, "it stays locked");
         let mut editor = open(path);
         let work = editor.start_recovery(recovery).unwrap();
         if !editor.is_open_elsewhere() {

@@ -50,7 +50,9 @@ impl Shown {
         let player = Player::open(recording).unwrap();
         let mut shown = Self { player, model };
         shown.player.apply(Move::Pause);
+        let start = std::time::Instant::now();
         while !shown.player.is_complete() {
+            assert!(start.elapsed().as_secs() < 60, "it is not loaded");
             shown.advance(Duration::ZERO);
             std::thread::yield_now();
         }

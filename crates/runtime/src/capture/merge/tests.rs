@@ -4,6 +4,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::*;
 use crate::capture::{Channels, InvalidPacket, Sample};
 
+/// Longest wait on a busy machine.
+const TIMEOUT: Duration = Duration::from_secs(60);
+
 /// Source with a name and readings at these times, in microseconds. One named `live` is live.
 struct TimedSource(&'static str, Vec<u64>);
 
@@ -53,7 +56,9 @@ fn start(left: TimedSource, right: TimedSource) -> MergedSource {
 fn merge(left: TimedSource, right: TimedSource) -> (Vec<(Side, u64)>, MergedSource) {
     let mut merged = start(left, right);
     let mut readings = Vec::new();
+    let start = Instant::now();
     loop {
+        assert!(start.elapsed() < TIMEOUT, "no end: {readings:?}");
         match merged.next().unwrap() {
             SourceEvent::Reading(reading) => {
                 readings.push((reading.side.unwrap(), reading.time.0));
@@ -179,7 +184,9 @@ fn a_fast_source_waits_for_the_moment_that_a_late_source_shows() {
     let delay = Duration::from_secs(3);
     let mut merged = merge_parts(vec![Ok(7), Ok(8)], vec![Ok(100)], delay);
     let mut readings = Vec::new();
+    let start = Instant::now();
     while readings.len() < 3 {
+        assert!(start.elapsed() < TIMEOUT, "{readings:?}");
         if let SourceEvent::Reading(reading) = merged.next().unwrap() {
             readings.push(reading);
         }
@@ -208,7 +215,9 @@ fn the_loss_of_a_source_names_its_part_and_the_other_continues() {
     };
     let mut merged = merge_parts(vec![Ok(7)], vec![Err(lost), Ok(8)], Duration::ZERO);
     let (mut readings, mut losses) = (Vec::new(), Vec::new());
+    let start = Instant::now();
     while readings.len() < 2 || losses.is_empty() {
+        assert!(start.elapsed() < TIMEOUT, "{readings:?}, {losses:?}");
         match merged.next() {
             Ok(SourceEvent::Reading(reading)) => readings.push(reading.part),
             Ok(_) => {}

@@ -218,7 +218,9 @@ fn readings_that_are_ready_come_together_in_their_order() {
 fn dropping_stops_a_thread_that_waits_for_room() {
     let (source, _done) = scripted(100, false, |step| Ok(reading(step)));
     let capture = spawn(source).unwrap();
+    let start = Instant::now();
     while capture.events().len() < QUEUE_CAPACITY {
+        assert!(start.elapsed() < TIMEOUT, "the queue does not fill");
         std::thread::yield_now();
     }
     let ended = capture.ended.clone();
@@ -240,7 +242,9 @@ fn dropping_leaves_a_blocked_thread_behind() {
         Ok(SourceEvent::Idle)
     });
     let capture = spawn(source).unwrap();
+    let start = Instant::now();
     while !BLOCKS.load(Ordering::SeqCst) {
+        assert!(start.elapsed() < TIMEOUT, "the source is not read");
         std::thread::yield_now();
     }
     drop(capture);

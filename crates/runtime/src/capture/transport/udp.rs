@@ -214,7 +214,10 @@ mod tests {
         let mut changes_after = |socket: &UdpSocket, bytes: &[u8]| {
             socket.send_to(bytes, address).unwrap();
             let is_packet = bytes == packet;
-            while !matches!(source.next(), Ok(SourceEvent::Reading(_))) && is_packet {}
+            let start = std::time::Instant::now();
+            while !matches!(source.next(), Ok(SourceEvent::Reading(_))) && is_packet {
+                assert!(start.elapsed().as_secs() < 60, "no reading");
+            }
             source.stats().sender_changes
         };
         let (first, second) = (sender(), sender());

@@ -2,7 +2,7 @@ use std::io;
 use std::sync::{Arc, Mutex};
 
 use super::*;
-use crate::output::tests::event;
+use crate::output::tests::{event, wait_until};
 use ademan_core::contact::TargetId;
 use ademan_core::device::EventKind;
 use ademan_core::device::EventKind::{Depth, Select, Unselect, Value, Velocity};
@@ -151,9 +151,10 @@ fn a_loop_that_hangs_leaves_no_note() {
     sink.send(&[event(1, Velocity(C4, 1.0))]).unwrap();
     let end = vec![0xb0, 123, 0];
     // Two periods without a step.
-    while written.lock().unwrap().last() != Some(&end) {
+    wait_until("the end of all notes", || {
         std::thread::sleep(std::time::Duration::from_millis(10));
-    }
+        written.lock().unwrap().last() == Some(&end)
+    });
     let sensing = written
         .lock()
         .unwrap()

@@ -227,7 +227,7 @@ impl Drop for TranscriptThread {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::tests::{down, event, up};
+    use crate::output::tests::{down, event, up, wait_until};
     use ademan_core::command::Command;
     use ademan_core::device::{Axis, EventKind};
     use ademan_core::time::Timestamp;
@@ -299,9 +299,10 @@ mod tests {
         let deflect = event(1_000, EventKind::Axis(Axis::LeftX, 0.5));
         sink.send(&[down(1_000, "A"), down(1_000, "B"), deflect])
             .unwrap();
-        while sink.queue.as_ref().is_some_and(|queue| !queue.is_empty()) {
-            thread::sleep(Duration::from_millis(1));
-        }
+        wait_until("an empty queue", || {
+            let queue = sink.queue.as_ref();
+            queue.is_none_or(|it| it.is_empty())
+        });
         send_many(&mut sink);
         let center = event(20_000, EventKind::Axis(Axis::LeftX, 0.0));
         sink.send(&[up(20_000, "A"), down(20_000, "C"), center])
@@ -312,10 +313,11 @@ mod tests {
         drop(gate);
         let reader = read(reader);
         // The loop calls every output in each step, and while it waits.
-        while sink.missed.count > 0 {
+        wait_until("the count of missed lines", || {
             sink.send(&[]).unwrap();
             thread::sleep(Duration::from_millis(1));
-        }
+            sink.missed.count == 0
+        });
         // The press of C was dropped, so its release is not a line.
         sink.send(&[up(30_000, "C"), up(30_000, "B")]).unwrap();
         sink.close().unwrap();
@@ -345,11 +347,12 @@ mod tests {
     fn a_failure_is_returned_by_a_later_step() {
         let (mut sink, reader) = transcript();
         drop(reader);
-        let error = loop {
-            if let Err(error) = sink.send(&[down(1, "A"), up(1, "A")]) {
-                break error;
-            }
-        };
+        let mut failure = None;
+        wait_until("a failure", || {
+            failure = sink.send(&[down(1, "A"), up(1, "A")]).err();
+            failure.is_some()
+        });
+        let error = failure.unwrap();
         assert!(matches!(error, OutputError::BrokenPipe { .. }), "{error}");
         assert!(sink.close().is_err());
     }

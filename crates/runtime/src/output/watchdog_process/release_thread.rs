@@ -214,7 +214,7 @@ mod tests {
     use super::*;
     use crate::output::character_key::{CharacterKey, KeymapChange};
     use crate::output::desktop::pending_motion::StatelessAction;
-    use crate::output::tests::key;
+    use crate::output::tests::{key, wait_until};
     use crate::output::watchdog::WatchdogMessage;
     use ademan_core::device::KeyCode;
     use std::sync::Mutex;
@@ -333,9 +333,7 @@ mod tests {
         };
         for count in 1..=2 {
             thread.release();
-            while releases() != (count, count) {
-                thread::yield_now();
-            }
+            wait_until("a release", || releases() == (count, count));
         }
         record.lock().apply(WatchdogMessage::KeyUp(key("A")));
         record.lock().apply(WatchdogMessage::AxesCentered);

@@ -200,7 +200,10 @@ pub(super) mod tests {
         let calls = Arc::new(AtomicU64::new(0));
         let seen = Arc::clone(&calls);
         let slow_manager = thread::spawn(move || {
-            let request = manager.requests().recv().unwrap();
+            let request = manager
+                .requests()
+                .recv_timeout(10 * LAYOUT_TIMEOUT)
+                .unwrap();
             let start = Instant::now();
             while seen.load(Ordering::Relaxed) < 3 && start.elapsed() < LAYOUT_TIMEOUT / 2 {
                 thread::yield_now();

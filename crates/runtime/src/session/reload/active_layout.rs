@@ -258,7 +258,7 @@ mod tests {
         let double = || session.request(LayoutOperation::Scale(2.0));
         assert_eq!(double(), Ok("scaled by 2".into()));
         assert_eq!(
-            session.activated.recv(),
+            session.activated.recv_timeout(TIMEOUT),
             Ok(true),
             "the boards keep their poses"
         );

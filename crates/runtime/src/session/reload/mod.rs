@@ -271,7 +271,9 @@ mod tests {
         let layout = Layout::load(path.to_str().unwrap()).unwrap();
         let session = TestLoop::paused(layout, Some(&path), |_| Ok(()));
         fs::write(&path, text("B")).unwrap();
+        let start = Instant::now();
         while !session.has_swap() {
+            assert!(start.elapsed() < TIMEOUT, "no swap");
             thread::sleep(Duration::from_millis(5));
         }
         let reports = session.reports.clone();

@@ -115,9 +115,7 @@ fn a_correction_does_not_reach_another_window() {
 fn an_idle_thread_notices_that_another_window_has_the_focus() {
     let (display, mut sink) = open_in_a_window();
     display.0.lock().unwrap().focus = Some(2);
-    while sink.text_field().generation == 0 {
-        thread::yield_now();
-    }
+    wait_until("another text field", || sink.text_field().generation > 0);
     // Both follow the change.
     sink.send(&correction(2, "b")).unwrap();
     direct::wait_until_idle(&sink);
@@ -154,9 +152,7 @@ fn a_correction_deletes_nothing_behind_a_press_of_another_device() {
 #[test]
 fn an_idle_thread_notices_a_press_of_another_device() {
     let (_display, mut sink) = press_another_keyboard();
-    while sink.text_field().generation == 0 {
-        thread::yield_now();
-    }
+    wait_until("another text field", || sink.text_field().generation > 0);
     // Both follow the press.
     sink.send(&correction(3, "b")).unwrap();
     direct::wait_until_idle(&sink);

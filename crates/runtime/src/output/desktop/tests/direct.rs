@@ -85,17 +85,14 @@ impl TestDisplay {
     }
 
     pub fn wait_for_lines(&self, count: usize) {
-        while self.lines().len() < count {
-            thread::yield_now();
-        }
+        wait_until("lines", || self.lines().len() >= count);
     }
 }
 
 /// Waits until the thread has executed all requests.
 pub fn wait_until_idle(sink: &Desktop) {
-    while sink.status.executed.load(Ordering::Acquire) < sink.requested {
-        thread::yield_now();
-    }
+    let executed = || sink.status.executed.load(Ordering::Acquire);
+    wait_until("an idle thread", || executed() >= sink.requested);
 }
 
 #[test]

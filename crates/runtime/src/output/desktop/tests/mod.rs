@@ -14,7 +14,7 @@ use super::key_reporter::KeyReporter;
 use super::pending_motion::StatelessAction;
 use super::*;
 use crate::output::RETRIES;
-use crate::output::tests::{down, event, up};
+use crate::output::tests::{down, event, up, wait_until};
 use ademan_core::device::pressed_keys::KeyDirection;
 use std::sync::Mutex;
 
@@ -235,9 +235,7 @@ fn void_presses_and_their_releases_are_not_sent_and_later_presses_are() {
     let display = TestDisplay::default();
     let (mut sink, gate) = display.open();
     sink.send(&[event(1, EventKind::MoveBy(1, 0))]).unwrap();
-    while display.0.lock().unwrap().actions == 0 {
-        thread::yield_now();
-    }
+    wait_until("an action", || display.0.lock().unwrap().actions > 0);
     queue_a_press(&mut sink);
     sink.void_presses();
     sink.send(&[up(2, "A"), down(2, "B")]).unwrap();
@@ -268,9 +266,9 @@ fn void_while_the_display_does_not_respond(events: &[OutputEvent]) -> u64 {
     let display = TestDisplay::default();
     let (mut sink, gate) = display.open();
     sink.send(events).unwrap();
-    while display.0.lock().unwrap().waits == 0 {
-        thread::yield_now();
-    }
+    wait_until("a worker that waits", || {
+        display.0.lock().unwrap().waits > 0
+    });
     sink.void_presses();
     drop(gate);
     sink.close().unwrap();
@@ -328,9 +326,7 @@ fn keys_are_released_on_a_new_connection_if_the_first_is_lost() {
     let (mut sink, gate) = display.open();
     drop(gate);
     sink.send(&[down(1, "A")]).unwrap();
-    while display.lines().is_empty() {
-        thread::yield_now();
-    }
+    display.wait_for_lines(1);
     display.0.lock().unwrap().is_first_connection_broken = true;
     sink.close().unwrap_err();
     assert_eq!(display.lines(), ["+A", "-A"]);
@@ -343,9 +339,7 @@ fn keys_that_cannot_be_released_are_named() {
     let (mut sink, gate) = display.open();
     drop(gate);
     sink.send(&[down(1, "ShiftLeft"), down(1, "A")]).unwrap();
-    while display.lines().len() < 2 {
-        thread::yield_now();
-    }
+    display.wait_for_lines(2);
     let mut state = display.0.lock().unwrap();
     (state.is_first_connection_broken, state.rejects_connections) = (true, true);
     drop(state);
@@ -406,9 +400,7 @@ fn a_full_queue_coalesces_motion_and_drops_no_release() {
     }
     display.set_blocked(false);
     // Coalesced motion is sent with the next one.
-    while display.lines().len() < 2 * keys.len() + 2 * QUEUE - coalesced {
-        thread::yield_now();
-    }
+    display.wait_for_lines(2 * keys.len() + 2 * QUEUE - coalesced);
     sink.send(&[event(1, EventKind::MoveBy(1, 0))]).unwrap();
     sink.close().unwrap();
     let lines = display.lines();
@@ -478,9 +470,7 @@ fn after_a_dropped_press_nothing_is_pressed_until_the_loop_has_noticed() {
     thread::sleep(max_age + Duration::from_millis(1));
     sink.send(&[down(2, "W")]).unwrap();
     drop(gate);
-    while !sink.has_stalled() {
-        thread::yield_now();
-    }
+    wait_until("a stall", || sink.has_stalled());
     // The layout still believes that Control is pressed.
     sink.send(&[up(3, "W"), down(3, "C")]).unwrap();
     sink.void_presses();
