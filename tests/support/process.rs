@@ -39,8 +39,8 @@ impl Drop for Process {
     }
 }
 
-/// Kills each child process of this test program, now or later, that takes longer than any test needs (Linux). What waits for such
-/// a process or reads from it fails then, and does not wait without an end.
+/// From now on, kills each child process of this test program that takes longer than any test needs (Linux). What waits for it or
+/// reads from it fails then, and does not wait without an end.
 pub fn limit_lifetimes() {
     static LIMIT: Once = Once::new();
     if NO_LIMIT.iter().all(|name| env::var_os(name).is_none()) {
