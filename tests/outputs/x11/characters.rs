@@ -4,7 +4,7 @@ use std::fs;
 use std::thread;
 use std::time::Duration;
 
-use ademan::device::{Capabilities, EventKind, OutputEvent};
+use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan::output::{Desktop, Sink};
 use ademan::time::Timestamp;
 use tempfile::TempDir;
@@ -85,11 +85,9 @@ impl KeymapClient {
         let codes = (8..=u8::MAX)
             .zip(&keymap)
             .filter(|(_, keysyms)| keysyms.is_empty());
-        // The key with the code 8 is reserved.
-        let unused: Vec<u8> = codes
-            .map(|(code, _)| code)
-            .filter(|code| *code != 8)
-            .collect();
+        // The key with the code 8 is reserved. A key that a layout may press, such as F24, gets no character without a keysym either.
+        let is_usable = |code: &u8| *code != 8 && KeyCode::from_x11_code(*code).is_none();
+        let unused: Vec<u8> = codes.map(|(code, _)| code).filter(is_usable).collect();
         for code in unused.iter().skip(count) {
             self.set_keysym(*code, 0xffe0);
         }
@@ -308,9 +306,9 @@ fn a_keymap_that_the_user_changes_after_a_text_stays_unchanged() {
             return;
         };
         let (client, log) = (KeymapClient::connect(&server), KeyLog::start(&server));
-        client.use_all_but(16);
+        client.use_all_but(12);
         let mut sink = open(&server);
-        let texts = ["αβγδεζηθικλμνξοπ", "ñü", "абв"];
+        let texts = ["αβγδεζηθικλμ", "ñü", "абв"];
         type_text(&log, &mut sink, texts[0]);
         set_keymap(&server, &[keymap]);
         let expected = client.keymap();

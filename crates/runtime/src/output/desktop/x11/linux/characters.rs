@@ -183,11 +183,8 @@ fn keysym(character: char) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::keymap::tests::{LOCK, SECOND_GROUP, SHIFT, keymap};
+    use super::super::keymap::tests::{LOCK, SECOND_GROUP, SHIFT, UNUSED, keymap};
     use super::*;
-
-    /// The first unused key of the keymap of the tests.
-    const UNUSED: u8 = 13;
 
     fn codes(keys: &CharacterKeys, unused: usize, state: u16, text: &str) -> Option<Vec<u8>> {
         let plan = keys.plan(&keymap(unused, state), text, Instant::now());

@@ -7,6 +7,7 @@ use x11rb::protocol::xproto::{ConnectionExt as _, KeyButMask};
 use x11rb::rust_connection::RustConnection;
 
 use crate::output::character_key::CharacterKey;
+use ademan_core::device::KeyCode;
 
 /// Keysym of a key without a meaning.
 pub const NO_SYMBOL: u32 = 0;
@@ -70,10 +71,13 @@ impl Keymap {
         })
     }
 
-    /// Returns the keys that are not used.
+    /// Returns the keys that are not used: they have no keysym, and this program presses none of them, as it may press F24 without a
+    /// keysym.
     pub fn unused_codes(&self) -> impl Iterator<Item = u8> {
         let is_unused = |(code, keysyms): &(u8, &[u32])| {
-            *code != RESERVED_CODE && keysyms.iter().all(|keysym| *keysym == NO_SYMBOL)
+            *code != RESERVED_CODE
+                && KeyCode::from_x11_code(*code).is_none()
+                && keysyms.iter().all(|keysym| *keysym == NO_SYMBOL)
         };
         self.keys().filter(is_unused).map(|(code, _)| code)
     }
@@ -226,7 +230,13 @@ pub mod tests {
     const NUM: u16 = 16;
     pub const SECOND_GROUP: u16 = 1 << 13;
 
-    /// Returns a keymap of `a`, Control, Alt and Num Lock, and of unused keys.
+    const FIRST: u8 = 8;
+    /// The first unused key, after the last key that this program can press.
+    pub const UNUSED: u8 = 203;
+    /// Keysym of F35.
+    const F35: u32 = 0xffe0;
+
+    /// Returns a keymap of `a`, Control, Alt and Num Lock, of other keys that are used, and of unused keys.
     pub fn keymap(unused: usize, state: u16) -> Keymap {
         let keys = [
             [0, 0],
@@ -236,9 +246,10 @@ pub mod tests {
             [NUM_LOCK, 0],
         ];
         let mut keysyms = keys.concat();
+        keysyms.resize(2 * usize::from(UNUSED - FIRST), F35);
         keysyms.extend(vec![NO_SYMBOL; 2 * unused]);
         Keymap {
-            first: 8,
+            first: FIRST,
             keysyms,
             keysyms_per_key: 2,
             modifier_keys: vec![0, 0, 10, 11, 12, 0, 0, 0],
@@ -276,7 +287,17 @@ pub mod tests {
         assert_eq!(keymap.unmodified_key(0x61), Some(9));
         keymap.pressed[1] = 1 << 1;
         assert_eq!(keymap.unmodified_key(0x61), None);
-        assert_eq!(keymap.unused_codes().collect::<Vec<_>>(), [13, 14]);
+        let unused: Vec<u8> = keymap.unused_codes().collect();
+        assert_eq!(unused, [UNUSED, UNUSED + 1]);
+    }
+
+    #[test]
+    fn a_key_that_the_program_can_press_is_not_used_for_a_character_without_a_keysym_either() {
+        let mut keymap = keymap(1, 0);
+        let f24: KeyCode = "F24".parse().unwrap();
+        let index = 2 * (usize::from(f24.x11_code()) - usize::from(FIRST));
+        keymap.keysyms[index..index + 2].fill(NO_SYMBOL);
+        assert_eq!(keymap.unused_codes().collect::<Vec<_>>(), [UNUSED]);
     }
 
     #[test]
