@@ -129,11 +129,12 @@ pub fn run(args: Args) -> Result<(), Failure> {
         on_notice: (view != ViewKind::None).then(session::print_notices),
         ..SessionOptions::default()
     };
-    match output::release_abandoned_keys() {
-        Ok(result) => release_keys::report(&result),
-        Err(reason) => complain!(
+    let abandoned = output::release_abandoned_keys();
+    release_keys::report(&abandoned);
+    for reason in &abandoned.failed {
+        complain!(
             "keys of a killed run may still be pressed: {reason}; `ademan release-keys` tries again"
-        ),
+        );
     }
     let setup = setup.load_files()?;
     let unmeasured = |layout| setup.unmeasured_body_point(layout);

@@ -229,6 +229,22 @@ fn keys_that_the_next_run_cannot_release_are_reported() {
     let words = "keys of a killed run may still be pressed: ";
     assert!(err.contains(words), "{err}");
     assert!(path.exists(), "{err}");
+
+    // A record of another display is reported beside the failure.
+    let other = fs::read(&path).map(|bytes| [&bytes[..0x300], b":4343"].concat());
+    let other_path = folder.join("pressed-2-0");
+    fs::write(&other_path, other.expect("the record")).expect("space on the disk");
+    fs::set_permissions(&other_path, Permissions::from_mode(0o600)).expect("an own file");
+    let released = ademan(["release-keys"])
+        .env("DISPLAY", ":4242")
+        .env("XDG_RUNTIME_DIR", runtime.path())
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .expect("it starts");
+    let messages = String::from_utf8_lossy(&released.stderr);
+    assert_eq!(released.status.code(), Some(1), "{messages}");
+    assert!(messages.contains("cannot release keys: "), "{messages}");
+    assert!(messages.contains("1 on the display `:4343`"), "{messages}");
 }
 
 #[test]

@@ -166,7 +166,7 @@ impl AbandonedKeys {
     }
 
     /// Returns the records of a folder. None is used if another user could have put a file into it.
-    fn find_in(folder: &Path, display: &str) -> Vec<Result<Self, String>> {
+    pub fn find_in(folder: &Path, display: &str) -> Vec<Result<Self, String>> {
         match files::check_private_folder(folder) {
             Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {
                 return Vec::new();

@@ -35,6 +35,8 @@ pub enum ClientLoss {
 pub struct AbandonedRelease {
     /// The number of released keys.
     pub released: usize,
-    /// One line for each record whose keys were not released.
+    /// One line for each record that cannot be used here.
     pub skipped: Vec<String>,
+    /// One line for each record whose display cannot be reached, or refused a release. A further call tries again.
+    pub failed: Vec<String>,
 }

@@ -9,13 +9,17 @@ use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
 
 /// Releases the keys that processes without a watchdog have left pressed on the display of the session, and removes what
 /// they have left in its keymap.
-///
-/// # Errors
-/// If the display cannot be reached, or a release failed. All other keys are released then, and a further call tries again.
-pub fn release_abandoned_keys() -> Result<AbandonedRelease, String> {
+pub fn release_abandoned_keys() -> AbandonedRelease {
+    release_records(AbandonedKeys::find(), release)
+}
+
+/// Releases the keys of each record with `release_keys`, also after one that fails.
+fn release_records(
+    records: Vec<Result<AbandonedKeys, String>>,
+    release_keys: impl Fn(&AbandonedKeys) -> Result<(), String>,
+) -> AbandonedRelease {
     let mut result = AbandonedRelease::default();
-    let mut failure = None;
-    for record in AbandonedKeys::find() {
+    for record in records {
         let abandoned = match record {
             Ok(abandoned) => abandoned,
             Err(reason) => {
@@ -23,15 +27,15 @@ pub fn release_abandoned_keys() -> Result<AbandonedRelease, String> {
                 continue;
             }
         };
-        match release(&abandoned) {
+        match release_keys(&abandoned) {
             Ok(()) => {
                 result.released += abandoned.keys.count();
                 abandoned.forget();
             }
-            Err(reason) => failure = failure.or(Some(reason)),
+            Err(reason) => result.failed.push(reason),
         }
     }
-    failure.map_or(Ok(result), Err)
+    result
 }
 
 fn release(abandoned: &AbandonedKeys) -> Result<(), String> {
@@ -61,6 +65,7 @@ fn release_on(
 mod tests {
     use super::*;
     use crate::output::desktop::pending_motion::StatelessAction;
+    use crate::output::pressed_key_file::PressedKeyFile;
     use crate::output::tests::key;
     use ademan_core::device::KeyCode;
 
@@ -106,5 +111,32 @@ mod tests {
         assert_eq!(released, Err("there is no such key".into()));
         assert_eq!(display.released, [key("B"), key("ShiftLeft")]);
         assert_eq!(display.removed, [added]);
+    }
+
+    #[test]
+    fn a_record_whose_release_fails_does_not_hide_the_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let inside = folder.path().join("ademan");
+        for (name, display, pressed) in [
+            ("pressed-1-0", ":7", "A"),
+            ("pressed-2-0", ":7", "B"),
+            ("pressed-3-0", ":8", "C"),
+        ] {
+            let file = PressedKeyFile::create_at(inside.join(name), display).unwrap();
+            file.record(key(pressed), KeyDirection::Press);
+            file.abandon();
+        }
+        let release_keys = |abandoned: &AbandonedKeys| {
+            let is_refused = abandoned.keys.contains(key("A"));
+            is_refused
+                .then_some("refused".to_owned())
+                .map_or(Ok(()), Err)
+        };
+        let records = AbandonedKeys::find_in(&inside, ":7");
+        let result = release_records(records, release_keys);
+        assert_eq!((result.released, result.skipped.len()), (1, 1));
+        assert_eq!(result.failed, ["refused"]);
+        let is_left = |name: &str| inside.join(name).exists();
+        assert!(is_left("pressed-1-0") && !is_left("pressed-2-0"));
     }
 }
