@@ -489,7 +489,7 @@ pub const FAULTS: &[Fault] = &[
         (STRANGERS, "names_in_a_transcript_start_no_program_in_a_shell"),
         (STRANGERS, "files_in_a_setup_are_relative_to_it_and_never_to_the_working_folder"),
         ("crates/runtime/src/output/transcript/line.rs", "names_and_characters_mean_nothing_to_a_shell"),
-        ("crates/runtime/src/output/socket/linux.rs", "a_file_with_content_beside_a_socket_is_no_lock_and_stays"),
+        ("crates/runtime/src/output/socket/linux.rs", "a_file_beside_a_socket_with_content_or_for_others_is_no_lock_and_stays"),
     ])),
     fault(81, "a WebSocket client floods frames that are not requests", Tests(&[
         (FLOODS, "a_client_that_floods_frames_is_disconnected_and_the_others_are_served"),

@@ -2,7 +2,7 @@
 
 use std::ffi::OsStr;
 use std::fmt;
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File, Metadata, TryLockError};
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::fs::{FileTypeExt, MetadataExt};
@@ -38,6 +38,9 @@ const SEND_BUFFER: usize = 8192;
 
 /// Longest time in which a server accepts a connection.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Permissions of the group and of all others.
+const OTHERS: u32 = 0o077;
 
 /// Attempts to lock a file that other processes remove at the same time.
 const MAX_LOCK_ATTEMPTS: u32 = 100;
@@ -233,8 +236,12 @@ impl SocketLock {
         path.push(".lock");
         let path = PathBuf::from(path);
         for _ in 0..MAX_LOCK_ATTEMPTS {
-            // The setup of another person may name `Cargo`: `Cargo.lock` must not be removed, nor become private.
-            if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file() || found.len() > 0) {
+            // The setup of another person may name `Cargo`: `Cargo.lock` must not be removed, nor become private. A lock is empty
+            // and private; whatever is no file is refused when it is opened.
+            let is_other = |found: Metadata| {
+                found.is_file() && (found.len() > 0 || found.mode() & OTHERS != 0)
+            };
+            if fs::symlink_metadata(&path).is_ok_and(is_other) {
                 return Err(SocketError::Other(format!(
                     "{} is not the lock of a socket",
                     escape_path(&path)
@@ -424,16 +431,18 @@ mod tests {
     }
 
     #[test]
-    fn a_file_with_content_beside_a_socket_is_no_lock_and_stays() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("Cargo.lock");
-        fs::write(&file, "mine").unwrap();
-        fs::set_permissions(&file, fs::Permissions::from_mode(0o644)).unwrap();
-        let error = Listener::open(&folder.path().join("Cargo")).err().unwrap();
-        assert!(error.to_string().contains("is not the lock"), "{error}");
-        assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
-        assert_eq!(fs::metadata(&file).unwrap().mode() & 0o777, 0o644);
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    fn a_file_beside_a_socket_with_content_or_for_others_is_no_lock_and_stays() {
+        for (content, mode) in [("mine", 0o600), ("mine", 0o644), ("", 0o644)] {
+            let folder = tempfile::tempdir().unwrap();
+            let file = folder.path().join("Cargo.lock");
+            fs::write(&file, content).unwrap();
+            fs::set_permissions(&file, fs::Permissions::from_mode(mode)).unwrap();
+            let error = Listener::open(&folder.path().join("Cargo")).err().unwrap();
+            assert!(error.to_string().contains("is not the lock"), "{error}");
+            assert_eq!(fs::read_to_string(&file).unwrap(), content);
+            assert_eq!(fs::metadata(&file).unwrap().mode() & 0o777, mode);
+            assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        }
     }
 
     #[test]
