@@ -189,7 +189,8 @@ pub fn role_beside(
     role.filter(|role| !is_other || *role == SourceRole::Pointer)
 }
 
-fn role() -> impl TypedValueParser<Value = SourceRole> {
+/// Returns the parser of `--role` and `--arm-role`.
+pub fn role() -> impl TypedValueParser<Value = SourceRole> {
     PossibleValuesParser::new(SourceRole::ALL.map(SourceRole::name)).map(|name| {
         let role = SourceRole::ALL.into_iter().find(|role| role.name() == name);
         role.expect("the parser accepts only names of roles")

@@ -393,13 +393,14 @@ impl Session {
         if !self.setup.required_capabilities().include_typing() {
             return;
         }
+        let has_control_socket = self.options.control_socket.path().is_some();
         for source in self.setup.named_sources() {
             if let Some(uri) = source.uri.filter(|uri| uri.is_remote())
                 && source.permissions.role == SourceRole::Pointer
             {
                 self.report_status(Notice::PointerOnly {
                     source: uri.clone(),
-                    remedy: source.remedy,
+                    remedy: source.way_to_type(has_control_socket),
                 });
             }
         }

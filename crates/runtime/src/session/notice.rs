@@ -50,8 +50,8 @@ pub enum Notice {
     PointerOnly {
         /// The source.
         source: SourceUri,
-        /// The field of the setup, and the flag, that let it press keys.
-        remedy: &'static str,
+        /// The ways to let it press keys, as part of a message.
+        remedy: String,
     },
     /// The session waits for a device, for this reason.
     WaitingForSource(String),
@@ -136,7 +136,7 @@ impl fmt::Display for Notice {
         match self {
             Self::PointerOnly { source, remedy } => write!(
                 f,
-                "{} is on the network and only a pointer: it presses no keys of the layout; {remedy} lets it type, and `ademan ctl allow-keys` does until the session ends or another sender follows",
+                "{} is on the network and only a pointer: it presses no keys of the layout; {remedy}",
                 escape(&source.to_string())
             ),
             Self::WaitingForSource(reason) => {

@@ -29,6 +29,18 @@ pub struct NamedSource<'a> {
     pub remedy: &'static str,
 }
 
+impl NamedSource<'_> {
+    /// Returns what lets it press keys in a session. Commands reach a session only through its control socket.
+    pub fn way_to_type(&self, has_control_socket: bool) -> String {
+        let command = if has_control_socket {
+            ", and `ademan ctl allow-keys` does until the session ends or another sender follows"
+        } else {
+            ""
+        };
+        format!("{} lets it type{command}", self.remedy)
+    }
+}
+
 /// A source of fingers, and the permissions of all sources of its hands.
 type HandPermissions<'a> = (
     Option<&'a SourceUri>,
@@ -420,6 +432,17 @@ impl LoadedSetup {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_command_lets_a_source_type_only_through_a_control_socket() {
+        let setup = Setup::default().load_files().unwrap();
+        let source = setup.named_sources().next().unwrap();
+        for has_control_socket in [false, true] {
+            let way = source.way_to_type(has_control_socket);
+            assert!(way.contains("`--role both`"), "{way}");
+            assert_eq!(way.contains("`ademan ctl"), has_control_socket, "{way}");
+        }
+    }
 
     #[test]
     fn relative_paths_of_sources_start_in_the_folder_of_the_setup() {

@@ -38,10 +38,12 @@ use self::unsupported::open;
 use std::path::PathBuf;
 
 use ademan::capture::SourceUri;
+use ademan::pipeline::SourceRole;
 
 use crate::complete;
 use crate::failure::Failure;
 use crate::root_args::RootArgs;
+use crate::setup_args::role;
 use crate::source_value::{self, SourceValue};
 
 /// Watch a hand, its boards and its sensors in a window
@@ -55,6 +57,10 @@ pub struct Args {
     setup: Option<String>,
     #[arg(long, value_name = "URI", value_parser = SourceValue, add = complete::source(), help = "Source of readings", long_help = source_value::help())]
     source: Option<SourceUri>,
+    /// Events that the source may cause: pointer, keys or both. The default is both, and pointer for a source on the
+    /// network
+    #[arg(long, value_parser = role(), conflicts_with = "recording")]
+    role: Option<SourceRole>,
     /// Glove: the name of one that comes with the program, or a file
     #[arg(long, add = complete::glove())]
     glove: Option<String>,
@@ -69,7 +75,7 @@ pub struct Args {
     recording: Option<PathBuf>,
     /// Show the session of another program through its control socket. The default PATH is the socket of `ademan run` without --control.
     /// `off` opens a session of its own even if another one runs
-    #[arg(long, value_name = "PATH", num_args = 0..=1, conflicts_with_all = ["source", "setup", "glove", "person", "layout", "recording", "overlay"])]
+    #[arg(long, value_name = "PATH", num_args = 0..=1, conflicts_with_all = ["source", "role", "setup", "glove", "person", "layout", "recording", "overlay"])]
     attach: Option<Option<PathBuf>>,
     /// Show the boards and fingertips over other programs, above all windows; clicks pass through
     #[arg(long, conflicts_with = "recording")]
@@ -88,6 +94,7 @@ impl Args {
         let names = [&self.setup, &self.glove, &self.layout, &self.person];
         names.iter().all(|name| name.is_none())
             && self.source.is_none()
+            && self.role.is_none()
             && self.recording.is_none()
             && self.attach.is_none()
             && !self.overlay

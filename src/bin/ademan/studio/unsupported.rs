@@ -8,6 +8,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let Args {
         setup: _,
         source: _,
+        role: _,
         glove: _,
         person: _,
         layout: _,

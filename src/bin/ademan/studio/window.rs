@@ -258,6 +258,7 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<Loaded, Failure> {
     };
     setup.role = role_beside(args.source.as_ref(), setup.source.as_ref(), setup.role);
     setup.source = args.source.or(setup.source);
+    setup.role = args.role.or(setup.role);
     setup.glove = args.glove.or(setup.glove);
     setup.person = args.person.or(setup.person);
     setup.layout = args.layout.unwrap_or(setup.layout);
@@ -332,6 +333,18 @@ mod tests {
         };
         assert_eq!(role_of("tcp:192.168.1.8:4001"), None);
         assert_eq!(role_of("tcp:192.168.1.7:4001"), Some(SourceRole::Both));
+
+        let stated = [
+            "studio",
+            "--source",
+            "tcp:192.168.1.8:4001",
+            "--role",
+            "both",
+        ];
+        let stated_line = CommandLine::try_parse_from(stated).expect("the flags are known");
+        let mut options = SessionOptions::default();
+        let loaded = load(stated_line.args, &mut options).expect("a source");
+        assert_eq!(loaded.base.role, Some(SourceRole::Both));
     }
 
     #[test]
