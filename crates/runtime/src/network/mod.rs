@@ -175,15 +175,13 @@ pub fn network_folder() -> Result<PathBuf, NetworkError> {
 }
 
 /// Returns the path of a token file: a path with a folder, or the name of a file in the network folder. A name never means a file in
-/// the working folder, whose files may be a stranger's.
-pub fn token_path(name: &str) -> PathBuf {
+/// the working folder, whose files may be a stranger's: without a network folder it is an error.
+pub fn token_path(name: &str) -> Result<PathBuf, NetworkError> {
     let path = PathBuf::from(name);
     if path.components().count() > 1 {
-        return path;
-    }
-    match network_folder() {
-        Ok(folder) => folder.join(path),
-        Err(_) => path,
+        Ok(path)
+    } else {
+        Ok(network_folder()?.join(path))
     }
 }
 
@@ -199,9 +197,9 @@ mod tests {
         let name = "Cargo.toml";
         assert!(Path::new(name).is_file());
         let folder = network_folder().expect("HOME is set");
-        assert_eq!(token_path(name), folder.join(name));
+        assert_eq!(token_path(name).unwrap(), folder.join(name));
         for path in ["./Cargo.toml", "tokens/desk.token", "/desk.token"] {
-            assert_eq!(token_path(path), Path::new(path));
+            assert_eq!(token_path(path).unwrap(), Path::new(path));
         }
     }
 }

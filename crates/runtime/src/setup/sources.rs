@@ -100,7 +100,7 @@ fn start_stream_in(folder: &Path, stream: &mut StreamUri) {
     }
     // A token without a folder is one of the network folder.
     if let Some(file) = &mut stream.token_file
-        && network::token_path(file) == Path::new(file)
+        && network::token_path(file).is_ok_and(|path| path == Path::new(file))
     {
         start(file);
     }
@@ -120,7 +120,7 @@ fn use_token_role(
 ) -> Result<(), SetupError> {
     let file = source.as_ref().and_then(SourceUri::token_file);
     if let (Some(file), None) = (file, &role) {
-        let granted = tokens::role_of_file(&network::token_path(file));
+        let granted = network::token_path(file).and_then(|path| tokens::role_of_file(&path));
         *role = Some(
             match granted.map_err(|error| SetupError::Value(error.to_string()))? {
                 TokenRole::See => {

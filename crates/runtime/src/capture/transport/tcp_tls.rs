@@ -59,7 +59,8 @@ impl Connector for SecureConnector {
     fn connect(&mut self) -> Result<Connection, ConnectError> {
         let stream = tcp::connect(&self.address)
             .map_err(|error| ConnectError::Absent(format!("{error}; {}", tcp::REMEDY)))?;
-        let token_file = network::token_path(&self.token_file);
+        let token_file = network::token_path(&self.token_file)
+            .map_err(|error| ConnectError::Unusable(error.to_string()))?;
         let secured = network::connect(stream, &token_file);
         let secured_stream = secured.map_err(|error| match error {
             SecureError::Connection(_) => ConnectError::Absent(error.to_string()),
