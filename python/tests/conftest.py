@@ -28,7 +28,7 @@ def recorded(program, tmp_path_factory):
         if not path.exists():
             source = ROOT / "tests" / "recordings" / f"{name}.mcap"
             command = [program, "record", path, "--source", f"recording:{source}"]
-            subprocess.run(command, check=True, capture_output=True)
+            subprocess.run(command, check=True, capture_output=True, timeout=60)
         return path
 
     return record

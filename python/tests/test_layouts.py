@@ -9,6 +9,7 @@ import pytest
 
 import ademan
 from ademan import plots
+from ademan.program import call
 
 matplotlib.use("Agg")
 
@@ -50,6 +51,17 @@ def test_a_program_that_is_missing_is_named(monkeypatch, tmp_path):
         ademan.read_layout("qwerty-flat")
 
 
+def test_a_program_that_does_not_end_is_ended_and_named(monkeypatch, tmp_path):
+    if os.name != "posix":
+        pytest.skip("SKIPPED a script is no program here")
+    file = tmp_path / "ademan"
+    file.write_text("#!/bin/sh\nexec sleep 600\n")
+    file.chmod(0o755)
+    monkeypatch.setenv("ADEMAN", str(file))
+    with pytest.raises(ademan.ProgramError, match="did not end within 0.1 s"):
+        call(["layout", "show", "qwerty-flat"], limit_s=0.1)
+
+
 def test_the_output_of_the_program_is_utf_8_in_every_locale(tmp_path):
     if os.name != "posix":
         pytest.skip("SKIPPED the locale of the process is not set by a variable")
@@ -59,7 +71,7 @@ def test_the_output_of_the_program_is_utf_8_in_every_locale(tmp_path):
     code = "from ademan.program import call; print(ascii(call([])))"
     ascii_only = {"ADEMAN": str(file), "LC_ALL": "C", "PYTHONCOERCECLOCALE": "0"}
     called = [sys.executable, "-X", "utf8=0", "-c", code]
-    ended = subprocess.run(called, env=os.environ | ascii_only, capture_output=True, check=False)
+    ended = subprocess.run(called, env=os.environ | ascii_only, capture_output=True, check=False, timeout=60)
     assert ended.stdout == b"'\\xe1'\n", ended.stderr
 
 

@@ -19,7 +19,7 @@ SOURCES = {
 
 def trace(program, stage, path):
     command = [program, "trace", stage, "--source", f"recording:{path}"]
-    printed = subprocess.run(command, check=True, capture_output=True, text=True)
+    printed = subprocess.run(command, check=True, capture_output=True, text=True, timeout=60)
     return [json.loads(line) for line in printed.stdout.splitlines()]
 
 

@@ -11,6 +11,9 @@ import pandas as pd
 
 from .program import call
 
+#: The longest time in which the program shows a layout, even on a busy machine.
+SHOW_LIMIT_S = 60.0
+
 
 @dataclass(frozen=True)
 class Target:
@@ -100,8 +103,8 @@ def read_layout(layout: str | os.PathLike[str]) -> Layout:
     """Read a layout file, or a layout that comes with the program, by its name.
 
     Raises:
-        ProgramError: the program is missing or refuses the layout.
+        ProgramError: the program is missing, refuses the layout or does not end within 60 s.
     """
-    value = json.loads(call(["layout", "show", layout, "--json", "-"]))
+    value = json.loads(call(["layout", "show", layout, "--json", "-"], limit_s=SHOW_LIMIT_S))
     targets = [Target._from_json(index, target) for index, board in enumerate(value["boards"]) for target in board["targets"]]
     return Layout(name=value["name"], description=value["description"], layers=value["layers"], targets=targets)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import subprocess
 from collections.abc import Sequence
@@ -31,14 +32,24 @@ def find_program() -> Path:
     return Path(found)
 
 
-def call(arguments: Sequence[str | os.PathLike[str]]) -> str:
+def call(arguments: Sequence[str | os.PathLike[str]], *, limit_s: float | None = None) -> str:
     """Run the program and return its standard output.
 
+    After `limit_s` the program is ended. A call whose work has no usual length has no limit.
+
     Raises:
-        ProgramError: the program is missing or ends with an error.
+        ProgramError: the program is missing, ends with an error or does not end within the limit.
     """
     command = [os.fspath(find_program()), *(os.fspath(argument) for argument in arguments)]
-    ended = subprocess.run(command, capture_output=True, encoding="utf-8", stdin=subprocess.DEVNULL, check=False)
+    try:
+        ended = subprocess.run(
+            command, capture_output=True, encoding="utf-8", stdin=subprocess.DEVNULL, check=False, timeout=limit_s
+        )
+    except subprocess.TimeoutExpired:
+        raise ProgramError(
+            f"{command[0]} did not end within {limit_s:g} s; check that it is the program, and run it in a terminal: "
+            f"{shlex.join(command)}"
+        ) from None
     if ended.returncode != 0:
         raise ProgramError(ended.stderr.strip() or f"ademan ended with code {ended.returncode}")
     return ended.stdout
