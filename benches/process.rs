@@ -9,6 +9,10 @@
 #[path = "support/packets.rs"]
 mod packets;
 
+#[path = "../tests/support/process.rs"]
+#[allow(dead_code)]
+mod process;
+
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -19,6 +23,7 @@ use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
 use ademan::capture::{Hc11Format, open_loopback};
 
 use packets::packets;
+use process::limit_lifetimes;
 
 const ADEMAN: &str = env!("CARGO_BIN_EXE_ademan");
 
@@ -32,6 +37,7 @@ fn main() {
     {
         return read_only(port);
     }
+    limit_lifetimes();
     let is_test = !std::env::args().any(|argument| argument == "--bench");
     let (starts, feed) = if is_test {
         (1, Duration::from_millis(300))

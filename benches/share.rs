@@ -14,6 +14,11 @@ mod session;
 mod clients;
 
 #[cfg(target_os = "linux")]
+#[path = "../tests/support/process.rs"]
+#[allow(dead_code)]
+mod process;
+
+#[cfg(target_os = "linux")]
 fn main() {
     match std::env::var("ADEMAN_SHARE_CLIENTS") {
         Ok(addresses) => clients::read_all(&addresses),

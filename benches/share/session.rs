@@ -18,6 +18,7 @@ use ademan::share::{ShareFormat, ShareTarget};
 use ademan::time::Timestamp;
 
 use super::clients::{SOCKET_CLIENTS, TCP_CLIENTS};
+use super::process::limit_lifetimes;
 
 const PERIOD: Duration = Duration::from_millis(1);
 
@@ -80,6 +81,7 @@ impl Sink for Clock {
 }
 
 pub fn main() {
+    limit_lifetimes();
     let is_bench = std::env::args().any(|argument| argument == "--bench");
     let (parts, length) = if is_bench {
         (8, Duration::from_secs(4))
