@@ -181,7 +181,7 @@ fn write_and_rename(
     written
 }
 
-/// Gives a file or a symbolic link a second name, or copies the file if that is not possible, as on FAT.
+/// Gives a file or a symbolic link a second name, or copies it if that is not possible, as on FAT.
 fn link_or_copy(path: &Path, name: &Path) -> Result<(), FileError> {
     match fs::hard_link(path, name) {
         Ok(()) => Ok(()),
@@ -190,8 +190,12 @@ fn link_or_copy(path: &Path, name: &Path) -> Result<(), FileError> {
     }
 }
 
-/// Copies the text and the permissions of a file to a new one.
+/// Copies a symbolic link, which may lead nowhere, or the text and the permissions of a file to a new one.
 fn copy(path: &Path, name: &Path) -> Result<(), FileError> {
+    if fs::symlink_metadata(path)?.is_symlink() {
+        check_absent(name)?;
+        return Ok(system::copy_link(path, name)?);
+    }
     let mut original = open_regular(path)?;
     // It has the permissions of the file only after its text.
     let mut new = create_private(name)?;
@@ -239,5 +243,17 @@ mod tests {
         let refused = copy(&path, &name);
         assert!(matches!(refused, Err(FileError::Exists)), "{refused:?}");
         assert_eq!(fs::read_to_string(&name).unwrap(), "mine");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_that_has_one_name_only_is_copied_as_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let [link, name] = ["glove.ron", "copy"].map(|it| folder.path().join(it));
+        std::os::unix::fs::symlink("absent", &link).unwrap();
+        copy(&link, &name).unwrap();
+        assert_eq!(fs::read_link(&name).unwrap(), Path::new("absent"));
+        let refused = copy(&link, &name);
+        assert!(matches!(refused, Err(FileError::IsLink)), "{refused:?}");
     }
 }

@@ -2,7 +2,9 @@
 
 use std::fs::{self, DirBuilder, File, FileType, Metadata, OpenOptions, Permissions};
 use std::io;
-use std::os::unix::fs::{DirBuilderExt, FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::os::unix::fs::{
+    DirBuilderExt, FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt, symlink,
+};
 use std::path::Path;
 
 use rustix::fs::{
@@ -189,6 +191,11 @@ pub fn name_of(kind: FileType) -> &'static str {
         kind if kind.is_socket() => "a socket",
         _ => "a device",
     }
+}
+
+/// Creates a symbolic link beside another one that leads to the same place. Fails if there is anything of that name.
+pub fn copy_link(link: &Path, name: &Path) -> io::Result<()> {
+    symlink(fs::read_link(link)?, name)
 }
 
 /// Creates a folder.

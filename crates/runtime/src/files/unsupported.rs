@@ -58,6 +58,10 @@ pub fn name_of(_: FileType) -> &'static str {
     "a device"
 }
 
+pub fn copy_link(_: &Path, _: &Path) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
 pub fn create_folder(path: &Path) -> io::Result<()> {
     fs::create_dir(path)
 }
