@@ -133,7 +133,12 @@ impl Estimate {
         self.inputs = InputValues::default();
     }
 
-    /// Forgets the hand: it is nowhere, and its movement until it is seen again is not known.
+    /// Returns `true` if the position of the hand and at least one of its fingers are measured.
+    pub(crate) fn shows_hand(&self) -> bool {
+        self.is_placed && self.untrusted != FingerSet::ALL
+    }
+
+    /// Forgets the hand: its position is unknown, and the next time it is seen counts as a jump.
     pub fn lose_hand(&mut self) {
         self.reset(self.time);
         self.untrusted = FingerSet::ALL;

@@ -12,6 +12,15 @@ impl Pipeline {
         self.state = state;
     }
 
+    /// Releases everything. Output that is armed has to be armed again, as after a pause.
+    pub(super) fn rearm(&mut self, events: &mut Events) {
+        let state = match self.state {
+            PipelineState::Running => PipelineState::Paused,
+            state => state,
+        };
+        self.disarm(self.time, state, events);
+    }
+
     /// Arms output if all hands have been clear of every control for the arm delay.
     pub(super) fn arm_if_clear(&mut self, index: usize) {
         if self.is_paused() {

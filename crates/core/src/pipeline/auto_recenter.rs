@@ -79,8 +79,8 @@ impl AutoRecenterState {
         self.hands = Default::default();
     }
 
-    /// Processes the next pose of a hand, and moves the boards below it if it rests. `is_touched` is
-    /// whether any fingertip of either hand touches a target. Does not allocate.
+    /// Processes the next pose of a hand, and moves the boards below it if it rests. `is_touched` is `true` if any
+    /// fingertip of either hand touches a target. Does not allocate.
     pub fn update(&mut self, scene: &mut Scene, pose: &HandPose, is_touched: bool) {
         if self.boards.is_empty() {
             return;
@@ -108,7 +108,7 @@ impl AutoRecenterState {
 }
 
 impl RestDetector {
-    /// Updates whether the hand rests, and returns the time since its previous pose.
+    /// Appends a pose, and returns the time since the previous one; zero if there is none.
     fn update(&mut self, pose: &HandPose) -> Duration {
         let fingertip = trusted_fingertip(pose, RECENTER_FINGER);
         let last = self.last;

@@ -1,6 +1,7 @@
 //! The bends of fingers that press by bending, for displays and messages.
 
 use super::Pipeline;
+use super::hand_pipeline::HandPipeline;
 use crate::contact::surface::Target;
 use crate::hand::{Finger, FingerSet, Side};
 
@@ -9,26 +10,25 @@ impl Pipeline {
     /// none if they press by touch.
     pub fn bent_fingers(&self) -> FingerSet {
         let layout = &self.profiles[self.active_profile].layout;
-        let tracked = self
-            .hands
-            .iter()
-            .filter(|hand| hand.last_accepted.is_some());
-        let bent = tracked.map(|hand| layout.bent_fingers(&hand.output.pose, &hand.output.bends));
+        let bent = self
+            .tracked_hands()
+            .map(|hand| layout.bent_fingers(&hand.output.pose, &hand.output.bends));
         bent.fold(FingerSet::NONE, FingerSet::union)
     }
 
     /// Iterates over the known bends of fingers that press a target by bending, with that target.
     pub fn finger_bends(&self) -> impl Iterator<Item = (Side, Finger, f32, &Target)> {
         let scene = self.layout().scene();
-        let tracked = self
-            .hands
-            .iter()
-            .filter(|hand| hand.last_accepted.is_some());
-        tracked.flat_map(move |hand| {
+        self.tracked_hands().flat_map(move |hand| {
             Finger::ALL.iter().filter_map(move |&finger| {
                 let (_, target) = scene.bend_target(hand.side(), finger)?;
                 Some((hand.side(), finger, hand.output.bends.get(finger)?, target))
             })
         })
+    }
+
+    fn tracked_hands(&self) -> impl Iterator<Item = &HandPipeline> {
+        let hands = self.hands.iter();
+        hands.filter(|hand| hand.last_accepted.is_some())
     }
 }

@@ -25,7 +25,7 @@ pub(super) struct HandPipeline {
     pub(super) last_accepted: Option<Timestamp>,
     /// `true` if the latest pose was clear of every control. A lost hand is not clear.
     pub(super) is_clear: bool,
-    /// `true` once the position of the hand was known.
+    /// `true` once any reading has shown the position of the hand.
     was_placed: bool,
     consecutive_rejections: u8,
     /// `true` after the hand has pressed faster than the rate limit while another one is tracked: it touches nothing until the

@@ -21,7 +21,7 @@ impl HandWatch {
     }
 
     /// Returns `true` for the step in which the hand is lost: its position or its last finger is no longer measured, or it has lost a
-    /// source. Returns `false` for the steps after that, so that what is left of the hand can lock and switch on again.
+    /// source. Returns `false` for the steps after that, so that the rest of the hand can lock keys and switch toggles on again.
     pub(super) fn update(&mut self, estimate: &Estimate) -> bool {
         let is_seen = estimate.untrusted != FingerSet::ALL;
         let is_lost = std::mem::take(&mut self.has_lost_source)

@@ -97,7 +97,7 @@ impl LayoutInstance {
             .with_layout(Arc::new(layout.clone()))
     }
 
-    /// Sets the layout that it was made from, for displays.
+    /// Sets the layout that this instance was made from, for displays.
     #[must_use]
     pub fn with_layout(self, layout: Arc<Layout>) -> Self {
         Self {
@@ -159,7 +159,7 @@ impl LayoutInstance {
         self.filter.as_deref()
     }
 
-    /// Returns the text decoder.
+    /// Returns the text decoder, to change its state.
     pub(super) fn filter_mut(&mut self) -> Option<&mut (dyn PressFilter + 'static)> {
         self.filter.as_deref_mut()
     }
@@ -195,12 +195,12 @@ impl LayoutInstance {
         layout.map_or_else(Signals::default, |layout| layout.signals.clone())
     }
 
-    /// Returns the layout that it was made from, if that is known.
+    /// Returns the layout that this instance was made from, if it is known.
     pub fn layout(&self) -> Option<&Arc<Layout>> {
         self.layout.as_ref()
     }
 
-    /// Returns `true` if a board, pointer or space is anchored at the place of the hand at the start.
+    /// Returns `true` if a board, pointer or space is anchored at the position of the hand at the start.
     pub fn starts_at_hand(&self) -> bool {
         self.starts_at_hand
     }

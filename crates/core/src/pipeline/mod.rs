@@ -277,7 +277,7 @@ impl Pipeline {
         self.paused_by
     }
 
-    /// Releases everything, for the end of a session. No event is emitted afterwards, but a release that found no room.
+    /// Releases everything, for the end of a session. No event is emitted afterwards, except a release that found no room.
     pub fn stop(&mut self, events: &mut Events) {
         self.disarm(self.time, PipelineState::Stopped, events);
     }

@@ -6,7 +6,7 @@ use super::Pipeline;
 use super::hand_pipeline::HandPipeline;
 use crate::capture::Sample;
 use crate::device::Events;
-use crate::hand::{FingerSet, Joint};
+use crate::hand::Joint;
 
 /// The relation of a hand to the room, in which both hands are measured.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,14 +14,14 @@ pub(super) struct RoomState {
     /// `true` if the source measures positions in the room. Positions of a body have their origin at the shoulder of each arm, and a glove
     /// measures none.
     is_measured: bool,
-    /// The number of times that the hand was found at another place.
+    /// The number of jumps of the hand to another position; wraps around.
     jumps: u32,
     /// The jumps of the other hand when its wrist was used last.
     other_jumps: u32,
 }
 
 impl HandPipeline {
-    /// Notes an accepted reading.
+    /// Updates the relation to the room with an accepted reading.
     pub(super) fn note_room(&mut self, sample: &Sample) {
         match sample {
             Sample::Joints { .. } => self.room.is_measured = true,
@@ -35,16 +35,15 @@ impl HandPipeline {
     /// Returns the measured wrist in the room; `None` for a hand that is lost.
     fn wrist_in_room(&self) -> Option<Vec3> {
         let estimate = &self.output.estimate;
-        let is_lost = !estimate.is_placed || estimate.untrusted == FingerSet::ALL;
         let is_used = self.room.is_measured && self.last_accepted.is_some() && !self.is_suspended;
         let wrist = estimate.measured.get(Joint::Wrist);
-        wrist.filter(|wrist| is_used && !is_lost && wrist.is_finite())
+        wrist.filter(|wrist| is_used && estimate.shows_hand() && wrist.is_finite())
     }
 }
 
 impl Pipeline {
     /// Sets the wrist of the other hand in the pose of a hand, if the layout needs it. After a jump of the other hand the wrist is
-    /// unknown for one step, as the way in between was not seen.
+    /// unknown for one step, because the movement was not seen.
     pub(super) fn update_other_wrist(&mut self, index: usize) {
         let mut others = self.hands.iter().enumerate();
         let other = others.find(|(other, _)| *other != index);

@@ -31,7 +31,7 @@ pub(super) enum EventClass {
 impl EventClass {
     /// Returns the class of an event, or `None` for events that every source may cause: releases, the return of an axis
     /// to 0, and reports that have no effect on the keys and the pointer of the receiver.
-    pub(super) fn of(kind: EventKind) -> Option<Self> {
+    pub(super) fn from_kind(kind: EventKind) -> Option<Self> {
         match kind {
             EventKind::Character(_) => Some(Self::Keys),
             EventKind::KeyDown(key) if key.kind() == KeyKind::Keyboard => Some(Self::Keys),

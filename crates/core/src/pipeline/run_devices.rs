@@ -45,9 +45,9 @@ impl Pipeline {
         let (other, may_type) = (self.hands.len() - 1 - index, self.gate.allows_keys(index));
         let has_other = arbiter.has_press_of_other_hand();
         let hand_of = |kind: EventKind| {
-            // What a filter types in place of a press of the other hand is of that hand.
+            // Keys that a filter types in place of a press of the other hand count for that hand.
             let is_in_place =
-                has_other && !may_type && EventClass::of(kind) == Some(EventClass::Keys);
+                has_other && !may_type && EventClass::from_kind(kind) == Some(EventClass::Keys);
             if is_in_place || arbiter.is_of_other_hand(kind) {
                 other
             } else {
@@ -70,7 +70,7 @@ impl Pipeline {
         }
         for (hand, is_within_limit) in within_limit.into_iter().enumerate() {
             if !is_within_limit {
-                // A filter believes that all of it was sent.
+                // The filters assume that all their events were sent.
                 self.reset_filters();
                 if !self.suspend(hand) {
                     self.pause(CommandOrigin::RateLimit, events);

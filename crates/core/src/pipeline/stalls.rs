@@ -27,8 +27,7 @@ impl Pipeline {
         if self.state == PipelineState::Stopped {
             return;
         }
-        let last = self.hands.iter().filter_map(|hand| hand.last_accepted);
-        let Some(last) = last.max() else {
+        let Some(last) = self.last_accepted() else {
             return;
         };
         for hand in &mut self.hands {
@@ -46,11 +45,7 @@ impl Pipeline {
     /// The first later reading would detect the same gap with the same result, so that a replay emits the same events whether
     /// it waits for that reading or not.
     pub fn stall_if_overdue(&mut self, time: Timestamp, events: &mut Events) -> bool {
-        let last = self
-            .hands
-            .iter()
-            .filter_map(|hand| hand.last_accepted)
-            .max();
+        let last = self.last_accepted();
         let is_overdue = last.is_some_and(|last| time.since(last) > self.settings.stall_timeout);
         if is_overdue {
             self.stall(events);
@@ -63,34 +58,26 @@ impl Pipeline {
     ///
     /// Output is armed again after the hand has been clear of every control.
     pub fn stall_output(&mut self, events: &mut Events) {
-        let state = match self.state {
-            PipelineState::Running => PipelineState::Paused,
-            state => state,
-        };
-        self.disarm(self.time, state, events);
+        self.rearm(events);
     }
 
     /// Releases what a hand holds because the source of it, or of a part of it, was lost. The other hand, and what the other
     /// part drives, continue. Everything [stalls](Self::stall) if nothing is left.
     pub fn lose(&mut self, side: Option<Side>, part: Option<HandPart>, events: &mut Events) {
-        let last = self
-            .hands
-            .iter()
-            .filter_map(|hand| hand.last_accepted)
-            .max();
+        let expected_readings = self.expects_readings();
         for index in 0..self.hands.len() {
             if side.is_none_or(|side| side == self.hands[index].side()) {
                 self.lose_hand(index, part, events);
             }
         }
-        if last.is_some() && !self.expects_readings() {
+        if expected_readings && !self.expects_readings() {
             self.stalls += 1;
             self.disarm(self.time, PipelineState::Stalled, events);
         }
     }
 
-    /// Returns, by side, whether a hand that was tracked before was lost while readings of something else still arrived: of the
-    /// other hand, or of its own fingers.
+    /// Returns, by side, `true` for a hand that was tracked and is lost, although readings of the other hand, or of its own
+    /// fingers, may still arrive.
     pub fn lost_hands(&self) -> [bool; Side::COUNT] {
         let mut lost = [false; Side::COUNT];
         for hand in &self.hands {
@@ -131,8 +118,8 @@ impl Pipeline {
         losses
     }
 
-    /// Detects from the time stamps of readings that all hands stopped, or that one did while the other continued, so that the
-    /// replay of a recorded stall repeats it.
+    /// Stalls, or loses one hand, if its readings stopped for longer than the stall timeout before `time`. Only time stamps of
+    /// readings count, so that a replay repeats a recorded stall.
     pub(super) fn detect_gaps(&mut self, time: Timestamp, events: &mut Events) {
         let timeout = self.settings.stall_timeout;
         let is_expected = |hand: &&HandPipeline| hand.last_accepted.is_some();
@@ -156,7 +143,7 @@ impl Pipeline {
     }
 
     /// Suspends a hand that presses faster than the rate limit: its next reading releases what it holds, and it touches
-    /// nothing until [`resume`](Self::resume). Returns `false` if no other hand is tracked, for which the run would go on.
+    /// nothing until [`resume`](Self::resume). Returns `false` and changes nothing if no other hand is tracked.
     pub(super) fn suspend(&mut self, index: usize) -> bool {
         let mut others = self.hands.iter().enumerate();
         let has_other = others.any(|(other, hand)| other != index && hand.last_accepted.is_some());
@@ -173,6 +160,12 @@ impl Pipeline {
         }
     }
 
+    /// Returns the time of the latest accepted reading of any hand; `None` if no hand expects readings.
+    fn last_accepted(&self) -> Option<Timestamp> {
+        let tracked = self.hands.iter().filter_map(|hand| hand.last_accepted);
+        tracked.max()
+    }
+
     /// Releases what a hand holds, has locked or has switched on, because the source of it, or of a part of it, was lost.
     fn lose_hand(&mut self, index: usize, part: Option<HandPart>, events: &mut Events) {
         self.hands[index].lose(part);
@@ -182,7 +175,7 @@ impl Pipeline {
         self.release_followers(index, events);
     }
 
-    /// Passes a hand that lost a part on to the devices, which release what that part held.
+    /// Updates the devices with a hand that has lost a part: they release what that part held.
     pub(super) fn release_lost(&mut self, index: usize, events: &mut Events) {
         self.reset_filters();
         let estimate = &mut self.hands[index].output.estimate;

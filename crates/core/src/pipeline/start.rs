@@ -1,4 +1,4 @@
-//! The place of the hand at the start, from which boards and pointers with the anchor `start` are measured.
+//! The position of the hand at the start, from which boards and pointers with the anchor `start` are measured.
 
 use std::time::Duration;
 
@@ -21,7 +21,7 @@ const FINGERS: [Finger; 4] = [Finger::Index, Finger::Middle, Finger::Ring, Finge
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct StartDetector(Option<Held>);
 
-/// An open hand since it is still.
+/// An open hand that is held still, and the positions of its index fingertip so far.
 #[derive(Clone, Copy, Debug)]
 struct Held {
     tip: StillTip,
@@ -51,7 +51,7 @@ impl StartDetector {
         (held.tip.duration() >= HOLD).then(|| held.sum / held.count)
     }
 
-    /// Forgets a hand that was held for a while.
+    /// Discards the poses so far: the hand has to be held still from its next pose on.
     fn reset(&mut self) {
         self.0 = None;
     }
@@ -83,7 +83,8 @@ impl Pipeline {
             && !self.hands.iter().any(|hand| is_placed(&hand.output.pose))
     }
 
-    /// Puts what is anchored at the start where the open hand was held still. While something is pressed, nothing is placed.
+    /// Places what is anchored at the start at the index fingertip of an open hand that was held still. While something is
+    /// pressed, nothing is placed.
     pub(super) fn place_at_start(&mut self, index: usize, events: &mut Events) {
         let layout = &self.profiles[self.active_profile].layout;
         if !layout.starts_at_hand() {
@@ -108,7 +109,7 @@ impl Pipeline {
         }
     }
 
-    /// Releases everything and takes away what is anchored at the start, until an open hand is held still again.
+    /// Releases everything and removes what is anchored at the start, until an open hand is held still again.
     pub(super) fn place_again(&mut self, events: &mut Events) {
         self.release_all(self.time, events);
         for hand in &mut self.hands {

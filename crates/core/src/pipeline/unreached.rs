@@ -12,11 +12,11 @@ use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
 
-/// The time for which a hand moves without an effect.
-const TIME: Duration = Duration::from_secs(5);
+/// The time for which a hand must move without an effect before it is reported.
+const MIN_TIME: Duration = Duration::from_secs(5);
 
-/// The distance from its first position at which a hand has moved, in metres.
-const MOTION: f32 = 0.05;
+/// The distance from its first position beyond which a hand has moved, in metres.
+const MIN_MOTION: f32 = 0.05;
 
 /// A hand that has moved for 5 s while output was enabled, or could have been, and has touched and pointed at nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub struct NearestControl {
     pub way: Vec3,
 }
 
-/// The watch of a hand for movement without an effect.
+/// The detector of a hand that moves without an effect.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ReachWatch {
     since: Option<(Timestamp, Vec3)>,
@@ -56,11 +56,11 @@ impl ReachWatch {
         self.is_over |= self.found.take().is_some();
     }
 
-    /// Processes a position without an effect; returns whether the time is over.
-    fn is_due(&mut self, time: Timestamp, position: Vec3) -> bool {
+    /// Appends a position without an effect. Returns `true` once the hand has to be reported.
+    fn push(&mut self, time: Timestamp, position: Vec3) -> bool {
         let (since, first) = *self.since.get_or_insert((time, position));
-        self.has_moved |= first.distance(position) > MOTION;
-        self.has_moved && !self.is_over && self.found.is_none() && time.since(since) >= TIME
+        self.has_moved |= first.distance(position) > MIN_MOTION;
+        self.has_moved && !self.is_over && self.found.is_none() && time.since(since) >= MIN_TIME
     }
 }
 
@@ -70,7 +70,7 @@ impl Pipeline {
         self.hands.iter().find_map(|hand| hand.reach.found)
     }
 
-    /// Follows a hand after a step with or without events.
+    /// Updates the detection for one hand after a step; `has_events` is `true` if the step has emitted any.
     pub(super) fn watch_reach(&mut self, index: usize, has_events: bool) {
         let layout = &self.profiles[self.active_profile].layout;
         let may_reach = match self.state() {
@@ -80,14 +80,14 @@ impl Pipeline {
         };
         let hand = &mut self.hands[index];
         let output = &hand.output;
-        // `recenter` needs it too.
+        // The remedy for boards is `recenter`, which needs this fingertip.
         let tip = trusted_fingertip(&output.pose, Finger::Index);
         let is_reaching = has_events || !output.touches.is_empty() || layout.is_pointing();
         let Some(tip) = tip.filter(|_| may_reach && !is_reaching && layout.has_place()) else {
             hand.reach.restart();
             return;
         };
-        if hand.reach.is_due(output.pose.time, tip) {
+        if hand.reach.push(output.pose.time, tip) {
             hand.reach.found = Some(Unreached {
                 side: output.pose.side,
                 nearest: layout.nearest_control(&output.pose, tip),

@@ -73,13 +73,4 @@ impl Pipeline {
         self.rearm(events);
         Ok(())
     }
-
-    /// Releases everything, and arms output again as after a pause.
-    pub(super) fn rearm(&mut self, events: &mut Events) {
-        let state = match self.state {
-            PipelineState::Running => PipelineState::Paused,
-            state => state,
-        };
-        self.disarm(self.time, state, events);
-    }
 }

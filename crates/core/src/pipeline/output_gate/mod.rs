@@ -210,7 +210,7 @@ impl OutputGate {
 
     /// Returns `true` if the role of the source permits an event, and counts it if not.
     fn check_role(&mut self, source: usize, kind: EventKind) -> bool {
-        let Some(class) = EventClass::of(kind) else {
+        let Some(class) = EventClass::from_kind(kind) else {
             return true;
         };
         let is_allowed = self.sources[source].role.allows(class);
@@ -257,16 +257,11 @@ impl OutputGate {
         let Some(acting) = pressed.find(|held| held.is_system_key_with_ctrl_alt()) else {
             return false;
         };
-        let release = EventKind::KeyUp(acting);
-        let is_inserted = events
-            .try_insert(
-                index,
-                OutputEvent {
-                    time,
-                    kind: release,
-                },
-            )
-            .is_ok();
+        let release = OutputEvent {
+            time,
+            kind: EventKind::KeyUp(acting),
+        };
+        let is_inserted = events.try_insert(index, release).is_ok();
         if is_inserted {
             self.suppressed.system_keys += 1;
             self.withheld.press(acting);
