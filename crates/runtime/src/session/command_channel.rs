@@ -37,17 +37,17 @@ pub(super) struct QueuedCommand {
 #[derive(Debug)]
 struct WaitingCommand {
     queued: QueuedCommand,
-    /// The place of a client, which is free once the command is received.
-    _place: Option<ClientPlace>,
+    /// The permit of a client, which is returned when the command is received.
+    _permit: Option<ClientPermit>,
 }
 
-/// One of [`CLIENT_COMMANDS`] places, until it is dropped.
+/// One of [`CLIENT_COMMANDS`] permits to queue a command of a client, until it is dropped.
 #[derive(Debug)]
-struct ClientPlace(Arc<AtomicUsize>);
+struct ClientPermit(Arc<AtomicUsize>);
 
-impl ClientPlace {
-    /// Takes a place. Returns `None` if all are taken.
-    fn take(taken: &Arc<AtomicUsize>) -> Option<Self> {
+impl ClientPermit {
+    /// Takes a permit; `taken` is the number of all that are taken. Returns `None` if there is none left.
+    fn try_acquire(taken: &Arc<AtomicUsize>) -> Option<Self> {
         let one_more = |count: usize| (count < CLIENT_COMMANDS).then_some(count + 1);
         taken
             .fetch_update(Ordering::AcqRel, Ordering::Acquire, one_more)
@@ -56,17 +56,17 @@ impl ClientPlace {
     }
 }
 
-impl Drop for ClientPlace {
+impl Drop for ClientPermit {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::AcqRel);
     }
 }
 
-/// Counts of requested pauses and of those that a `Resume` has ended.
+/// Counters of requested pauses, and of pauses that a `Resume` has ended.
 ///
-/// Each pause is counted twice, before and after it enters the queue. A `Resume` ends the counts from before it entered the queue. A pause
-/// behind it in the queue therefore stays requested, also if their threads interrupt each other; a pause that enters at the same time may
-/// stay requested, too.
+/// Each pause is counted twice: before and after it enters the queue. A `Resume` ends the pauses that were counted before it entered the
+/// queue. A pause behind it in the queue therefore stays requested, even if the threads that send them interrupt each other. A pause
+/// that enters the queue at the same time may stay requested, too.
 #[derive(Debug, Default)]
 struct PauseNotes {
     noted: AtomicUsize,
@@ -99,8 +99,8 @@ impl PauseNotes {
 pub struct CommandSender {
     origin: CommandOrigin,
     queue: Sender<WaitingCommand>,
-    /// Number of places of clients that are taken.
-    client_places: Arc<AtomicUsize>,
+    /// Number of permits of clients that are taken.
+    client_permits: Arc<AtomicUsize>,
     estimators: Sender<EstimatorSwap>,
     stop: Arc<AtomicBool>,
     pauses: Arc<PauseNotes>,
@@ -128,7 +128,7 @@ impl CommandSender {
         self.request_with_timeout(command, REPLY_TIMEOUT)
     }
 
-    /// As [`request`](Self::request), with another timeout.
+    /// Sends a command and waits for its reply as [`request`](Self::request) does, for at most `timeout`.
     pub fn request_with_timeout(
         &self,
         command: Command,
@@ -145,8 +145,8 @@ impl CommandSender {
         })?
     }
 
-    /// Returns `true` after a pause by a signal, the panic keys or the loss of the watchdog, also one that finds the queue full, until a
-    /// `Resume` or `TogglePause` that finds room follows. A session that ends before it has started, or has ended, executes none of them.
+    /// Returns `true` after a pause by a signal, the panic keys or the loss of the watchdog, even if the queue was full, until a
+    /// `Resume` or `TogglePause` is queued. The commands may never be executed: the session may have ended, or end before it starts.
     pub fn is_pause_requested(&self) -> bool {
         self.pauses.is_pause_requested()
     }
@@ -161,7 +161,7 @@ impl CommandSender {
     fn enqueue(&self, command: Command, reply: Option<ReplySender>) -> Result<(), RequestError> {
         command.check()?;
         match command {
-            // Its pause ends by itself, and it ends no other one.
+            // The pause of a suspend ends by itself, and its end resumes no other pause.
             _ if self.origin == CommandOrigin::Suspend => self.put(command, reply),
             Command::Pause if self.origin != CommandOrigin::Client => {
                 self.pauses.note();
@@ -169,7 +169,7 @@ impl CommandSender {
                 self.pauses.note();
                 put
             }
-            // `TogglePause` ends a noted pause, or requests a pause of a client, which is not noted.
+            // `TogglePause` ends a counted pause, or requests a pause of a client, which is not counted.
             Command::Resume | Command::TogglePause => {
                 let known = self.pauses.known();
                 self.put(command, reply)?;
@@ -185,8 +185,8 @@ impl CommandSender {
         if command == Command::Stop {
             self.stop.store(true, Ordering::Release);
         } else {
-            let place = if self.origin == CommandOrigin::Client {
-                let taken = ClientPlace::take(&self.client_places);
+            let permit = if self.origin == CommandOrigin::Client {
+                let taken = ClientPermit::try_acquire(&self.client_permits);
                 Some(taken.ok_or(RequestError::QueueFull)?)
             } else {
                 None
@@ -198,7 +198,7 @@ impl CommandSender {
             };
             let waiting = WaitingCommand {
                 queued,
-                _place: place,
+                _permit: permit,
             };
             self.queue.try_send(waiting).map_err(refusal)?;
         }
@@ -246,7 +246,7 @@ pub fn command_channel() -> (CommandSender, CommandReceiver) {
     let sender = CommandSender {
         origin: CommandOrigin::Client,
         queue: sender,
-        client_places: Arc::default(),
+        client_permits: Arc::default(),
         estimators: estimator_sender,
         stop,
         pauses: Arc::default(),

@@ -4,11 +4,11 @@ use crossbeam_channel::Sender;
 
 use ademan_core::estimate::Estimator;
 
-/// An estimator that is ready to replace the one of the first hand.
+/// An estimator that is ready to replace the estimator of the first hand.
 #[derive(Debug)]
 pub(super) struct EstimatorSwap {
     /// The new estimator.
     pub estimator: Box<Estimator>,
-    /// Receives the old one after the swap.
+    /// Receives the old estimator after the swap.
     pub retired: Sender<Box<Estimator>>,
 }

@@ -65,7 +65,7 @@ impl SessionHandle {
         &self.commands
     }
 
-    /// Snapshots of all steps; disconnected when the session has ended. Without
+    /// Returns the channel of the snapshots of all steps, which is disconnected when the session has ended. Without
     /// [`lossless_snapshots`](super::SessionOptions::lossless_snapshots) a full channel drops the newest ones.
     pub fn snapshots(&self) -> &Receiver<Snapshot> {
         &self.snapshots
@@ -81,7 +81,7 @@ impl SessionHandle {
         self.views.add_viewer()
     }
 
-    /// Changes of the calibration and the filter of the first hand.
+    /// Returns the link that changes the calibration and the filter of the first hand.
     pub fn sensors(&self) -> &Arc<SensorLink> {
         &self.sensors
     }
@@ -107,8 +107,8 @@ impl SessionHandle {
         Some(*self.has_started.get_or_init(|| has_started))
     }
 
-    /// Stops the session without waiting for its end, which may be far while an output waits for a permission. Outputs that open later
-    /// are closed before the first reading.
+    /// Stops the session without waiting for its end, which may take long while an output waits for a permission. Outputs that open
+    /// later are closed before the first reading.
     pub fn abandon(mut self) {
         // A session that has ended receives nothing.
         let _ = self.commands.send(Command::Stop);

@@ -55,9 +55,9 @@ pub(crate) struct LayoutRequest {
     pub operation: LayoutOperation,
     /// Index of the active profile.
     pub profile: usize,
-    /// The number of layouts that the loop had replaced by then.
+    /// The number of layouts that the loop had replaced when it made the request.
     pub replaced: usize,
-    /// Channel for the reply; `None` for a command of the layout itself, whose outcome is reported.
+    /// Channel for the reply; `None` for a command of the layout itself, whose outcome the manager reports as a notice.
     pub reply: Option<ReplySender>,
     /// Disconnected once the request is handled, for a loop that waits.
     pub done: Option<Sender<()>>,
@@ -71,7 +71,7 @@ pub(super) struct LayoutSwap {
     pub profile: usize,
     /// `true` if the boards keep their present poses instead of the poses of the file.
     pub keep_board_poses: bool,
-    /// Receives the old layout after the swap, so that another thread than the loop frees it.
+    /// Receives the old layout after the swap, so that the loop does not free it.
     pub retired: Sender<Box<LayoutInstance>>,
 }
 
@@ -238,8 +238,8 @@ pub(super) struct LoopLayoutLink {
 }
 
 impl LoopLayoutLink {
-    /// Forwards a request without waiting. One without a channel for a reply that finds no room is counted: the manager, which is busy
-    /// then, reports it after its next request.
+    /// Forwards a request without waiting. Fails if the queue is full. A request that fails and has no channel for a reply is
+    /// counted: the manager reports it after its next request.
     pub fn forward(&self, request: LayoutRequest) -> Result<(), RequestError> {
         self.requests.try_send(request).map_err(|error| {
             if error.into_inner().reply.is_none() {

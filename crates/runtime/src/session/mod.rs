@@ -58,7 +58,6 @@ use self::haptics::SessionHaptics;
 use self::notice::NoticeThread;
 use self::observer::Observer;
 use self::panic_keys::{PanicKeysError, PanicKeysWatch};
-use self::recordings::Recordings;
 use self::reload::{FilePolicy, LayoutReport, LayoutSource};
 use self::snapshots::SnapshotSender;
 use self::status::StatusNotices;
@@ -140,7 +139,7 @@ pub struct Summary {
     pub record_error: Option<RecordError>,
 }
 
-/// A session on its way to its thread.
+/// A session that has not run yet: everything that its thread needs.
 pub struct Session {
     setup: Arc<LoadedSetup>,
     options: SessionOptions,
@@ -275,22 +274,12 @@ impl Session {
         let may_wait = !is_live && !has_effect;
         let failures = self.write_failures.clone();
         sink.on_log_failure(Box::new(move |error| failures.report(error.to_string())));
-        let mut recordings = Recordings::new(self.write_failures.clone());
-        let recorded_files = [&self.options.record_to, &self.options.record_bvh_to];
-        (recorded_files.into_iter().flatten()).try_for_each(|path| recordings::check_file(path))?;
-        if let Some(path) = &self.options.record_to {
-            let recorded = self.setup.recorded_setup();
-            let recorded = recorded.with_packet_period(source.packet_period());
-            recordings.record_steps(path, &recorded, may_wait)?;
-        }
-        if let Some(path) = &self.options.record_bvh_to {
-            recordings.record_poses(path, may_wait)?;
-        }
+        let mut recordings = self.start_recordings(source.packet_period(), may_wait)?;
         if let Some(uri) = self.opened_uri().filter(|_| is_live) {
             self.report_status(Notice::Listening(uri.clone()));
         }
         let wants_socket = self.options.control_socket == ControlSocket::Default;
-        // On a system without control sockets, the user cannot change it.
+        // Not on a system without control sockets, where the user cannot add one.
         if cfg!(unix) && self.control.is_none() && wants_socket {
             self.report_status(Notice::NoControlSocket);
         }
@@ -318,7 +307,8 @@ impl Session {
             &mut self.snapshots,
         ];
         let mut pipeline = self.setup.pipeline();
-        // Not for a replay, which needs all of a processor. The thread of the source, which notices a pulled cable, inherits it.
+        // Not for a replay, which would take a processor from other programs. The thread of the source, which detects a pulled
+        // cable, inherits the priority.
         if is_live {
             priority::raise_thread_priority();
         }
@@ -329,7 +319,7 @@ impl Session {
             &self.commands,
             &mut observers,
         );
-        // Fingers are free before the recording is complete.
+        // The gloves free the fingers before the recording is completed, which may take seconds.
         drop(haptics);
         let record_error = recordings.finish();
         Ok(Summary {
@@ -388,7 +378,7 @@ impl Session {
         }
     }
 
-    /// Sources on the network press no keys by default, which surprises users of layouts with keys.
+    /// Reports the sources that may not press keys, if a layout has keys: the default for sources on the network surprises users.
     fn report_pointer_only_sources(&self) {
         if !self.setup.required_capabilities().include_typing() {
             return;
@@ -440,8 +430,7 @@ fn without_folders(path: &str) -> String {
 }
 
 /// Returns a receiver of notices that also adds them to the views.
-fn show_in_views(on_notice: Option<NoticeReceiver>, hub: ViewHub) -> Option<NoticeReceiver> {
-    let mut on_notice = on_notice;
+fn show_in_views(mut on_notice: Option<NoticeReceiver>, hub: ViewHub) -> Option<NoticeReceiver> {
     Some(Box::new(move |notice: Notice| {
         hub.show_message(notice.to_string());
         if let Some(on_notice) = &mut on_notice {
@@ -483,8 +472,8 @@ fn start_layout_manager(
             .map_err(|error| error.to_string())
     };
     let notices = notices.sender();
-    let of_hands = notices.clone();
-    hands.set_receiver(move |message| of_hands.send(Notice::SimulatedHand(message)));
+    let hand_notices = notices.clone();
+    hands.set_receiver(move |message| hand_notices.send(Notice::SimulatedHand(message)));
     let link = commands.link_layouts().with_hands(hands);
     let report = move |report: LayoutReport| {
         if let Some(notifier) = &mut notifier

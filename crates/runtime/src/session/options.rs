@@ -19,13 +19,13 @@ pub type NoticeReceiver = Box<dyn FnMut(Notice) + Send>;
 pub struct SessionOptions {
     /// Name of the session for displays, such as the file of its setup. Default: its first layout, without folders.
     pub name: Option<String>,
-    /// Source in place of the setup's.
+    /// Source that replaces the source of the setup.
     pub source: Option<Box<dyn Source>>,
     /// Playback speed of a source that is not live, 1 for real time; `None` for as fast as possible.
     pub speed: Option<f64>,
     /// Waits for a device that cannot be opened yet.
     pub wait_for_source: bool,
-    /// Output in place of the setup's. It is not checked against the layouts.
+    /// Output that replaces the outputs of the setup. It is not checked against the layouts.
     pub output: Option<Box<dyn Sink>>,
     /// Program that releases keys when this process cannot.
     pub watchdog: Option<WatchdogProgram>,

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::RecvTimeoutError;
 
+use super::Session;
 use super::observer::Observer;
 use super::write_failures::WriteFailures;
 use super::writer_thread::{QueuedSteps, WriterThread};
@@ -23,11 +24,33 @@ const FLUSH_AFTER: Duration = Duration::from_millis(500);
 /// Frames per second of a BVH file.
 const BVH_RATE_HZ: f64 = 100.0;
 
-/// Checks that the file of a recording can be created, before another one is.
-pub(super) fn check_file(path: &Path) -> Result<(), RecordError> {
+/// Checks that the file of a recording can be created, so that no other recording is created if it cannot.
+fn check_file(path: &Path) -> Result<(), RecordError> {
     files::check_destination(path)
         .and_then(|()| files::check_absent(path))
         .map_err(|error| cannot_create(path, error))
+}
+
+impl Session {
+    /// Creates the files of the options `record_to` and `record_bvh_to`. With `may_wait`, a slow disk delays the loop.
+    pub(super) fn start_recordings(
+        &self,
+        packet_period: Option<Duration>,
+        may_wait: bool,
+    ) -> Result<Recordings, RecordError> {
+        let mut recordings = Recordings::new(self.write_failures.clone());
+        let files = [&self.options.record_to, &self.options.record_bvh_to];
+        (files.into_iter().flatten()).try_for_each(|path| check_file(path))?;
+        if let Some(path) = &self.options.record_to {
+            let recorded = self.setup.recorded_setup();
+            let recorded = recorded.with_packet_period(packet_period);
+            recordings.record_steps(path, &recorded, may_wait)?;
+        }
+        if let Some(path) = &self.options.record_bvh_to {
+            recordings.record_poses(path, may_wait)?;
+        }
+        Ok(recordings)
+    }
 }
 
 /// The recordings of a session, each with a thread of its own.
@@ -39,7 +62,7 @@ pub(super) struct Recordings {
 }
 
 impl Recordings {
-    /// Creates no recording yet. A file that becomes incomplete is one of the `failures` at once.
+    /// Creates an empty set of recordings. A file that becomes incomplete is added to `failures` at once.
     pub fn new(failures: WriteFailures) -> Self {
         Self {
             failures,
@@ -55,7 +78,7 @@ impl Recordings {
         is_lossless: bool,
     ) -> Result<(), RecordError> {
         let mut recorder = Recorder::create(path, setup)?;
-        // A recording of a replay is the same on a slow machine.
+        // The recording of a replay must not depend on the speed of the machine.
         let timeout = if is_lossless {
             NO_DEADLINE
         } else {

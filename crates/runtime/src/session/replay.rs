@@ -1,4 +1,4 @@
-//! A recording through its pipeline without an output, for displays.
+//! Replay of a recording without an output, for displays.
 
 use std::sync::Arc;
 use std::time::Instant;

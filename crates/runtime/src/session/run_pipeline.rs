@@ -1,8 +1,8 @@
 //! A pipeline between a source and a sink, without the other parts of a session.
 
-use super::command_channel::CommandReceiver;
 use std::time::Instant;
 
+use super::command_channel::CommandReceiver;
 use super::event_loop::run_observed;
 use super::{SessionError, Summary};
 use crate::capture::Source;

@@ -1,7 +1,7 @@
 //! Changes of the calibration and the filter of a running session.
 //!
-//! The estimator is built on the thread that asks for it. The session loop swaps it in between two readings and gives the old
-//! one back, so that the loop neither allocates nor frees it.
+//! The thread that asks for a change builds the estimator. The session loop exchanges it between two readings and returns the
+//! old one, so that the loop neither allocates nor frees an estimator.
 
 use std::sync::Arc;
 
@@ -65,7 +65,7 @@ impl SensorLink {
             return Err(RequestError::Refused(reason.into()));
         }
         let estimator = self.setup.finger_estimator(map, rest, smoothing);
-        // The old one is freed here.
+        // Frees the estimator of the change before.
         let _ = self.retired.1.try_recv();
         self.commands.send_estimator(EstimatorSwap {
             estimator: Box::new(estimator),

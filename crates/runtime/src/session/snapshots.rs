@@ -8,7 +8,7 @@ use super::observer::Observer;
 use ademan_core::pipeline::Pipeline;
 use ademan_core::snapshot::{Snapshot, StepView};
 
-/// Hands a snapshot of each step to the owner of the session, until the owner drops the receiver.
+/// Sends a snapshot of each step to the owner of the session, until the owner drops the receiver.
 pub(super) struct SnapshotSender {
     /// `None` once the owner has dropped the receiver.
     pub sender: Option<Sender<Snapshot>>,

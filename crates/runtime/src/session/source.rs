@@ -31,8 +31,8 @@ impl Session {
         Ok(source.map(|source| self.paced(source)))
     }
 
-    /// Opens a source of the setup. Outputs do not hold a key for longer than the setup permits. Returns `None` if the session was
-    /// stopped while a server did not answer.
+    /// Opens a source of the setup, on a thread if it is on the network, where a server may not answer. For outputs with an effect,
+    /// a recording may not raise the stall timeout of the setup. Returns `None` if the session was stopped during the wait.
     fn open_unless_stopped(&self, uri: &SourceUri) -> Result<Option<Box<dyn Source>>, SetupError> {
         let has_effect = (self.options.output.as_ref()).is_none_or(|output| output.has_effect());
         let (setup, opened_uri) = (Arc::clone(&self.setup), uri.clone());
@@ -65,7 +65,7 @@ impl Session {
         }
     }
 
-    /// Gives a source the pace of the chosen speed. A live source keeps its own.
+    /// Plays a source that is not live at the speed of the options. A live source keeps its own pace.
     fn paced(&self, source: Box<dyn Source>) -> Box<dyn Source> {
         match self.options.speed {
             Some(speed) if !source.is_live() => Box::new(PacedSource::new(source, speed)),

@@ -39,7 +39,7 @@ struct StatusLog {
     untrusted: [FingerSet; Side::COUNT],
     /// The parts that were reported as implausible, by side.
     implausible: [Implausible; Side::COUNT],
-    /// The hand was reported as lost, by side.
+    /// `true` if the hand was reported as lost, by side.
     lost_hands: [bool; Side::COUNT],
 }
 
@@ -66,7 +66,7 @@ enum Topic {
     Stalled,
 }
 
-/// The actions of a person that the layout waits for, and the hands that touch nothing, as the pipeline has them after a step.
+/// The state of the pipeline after a step that a person has to react to: what the layout waits for, and hands that touch nothing.
 #[derive(Clone, Copy, Debug)]
 struct Hints {
     /// Fingers that must be straightened before the output is armed.
@@ -80,7 +80,7 @@ struct Hints {
 }
 
 impl Hints {
-    pub fn of(pipeline: &Pipeline) -> Self {
+    pub fn from_pipeline(pipeline: &Pipeline) -> Self {
         let implausible = pipeline.implausible();
         let mut losses = pipeline.hand_losses();
         for (loss, parts) in losses.iter_mut().zip(&implausible) {
@@ -107,7 +107,7 @@ pub(super) struct StatusNotices {
 }
 
 impl StatusNotices {
-    /// Creates the notices of a session whose outputs reach other programs, or do not.
+    /// Creates the notices of a session. `has_effect` is `true` if its outputs reach other programs.
     pub fn new(has_effect: bool, notices: NoticeSender) -> Self {
         Self {
             log: StatusLog::new(has_effect),
@@ -118,7 +118,7 @@ impl StatusNotices {
 
 impl Observer for StatusNotices {
     fn observe(&mut self, step: &StepView, now: Instant, pipeline: &Pipeline) {
-        let hints = Hints::of(pipeline);
+        let hints = Hints::from_pipeline(pipeline);
         let mut report = |notice| self.notices.send(notice);
         (self.log).report_implausible(pipeline, &hints, now, &mut report);
         (self.log).update(step, &hints, now, &mut report);
@@ -126,7 +126,7 @@ impl Observer for StatusNotices {
 }
 
 impl StatusLog {
-    /// Creates the log of a session whose outputs reach other programs, or do not.
+    /// Creates the log of a session. `has_effect` is `true` if its outputs reach other programs.
     pub fn new(has_effect: bool) -> Self {
         Self {
             has_effect,
@@ -146,16 +146,7 @@ impl StatusLog {
         if step.state != PipelineState::Stopped {
             self.report_losses(step.stats, now, report);
         }
-        if let Some(pose) = step.pose
-            && let explained = hints.implausible[pose.side.index()].fingers()
-            && let untrusted = pose.untrusted.difference(explained)
-            && let reported = &mut self.untrusted[pose.side.index()]
-            && *reported != untrusted
-            && self.limits.admits(Topic::Untrusted(pose.side), now)
-        {
-            *reported = untrusted;
-            report(Notice::UntrustedFingers(untrusted));
-        }
+        self.report_untrusted(step, hints, now, report);
         self.report_hands(hints, now, report);
         if let Some(error) = step.source_error {
             let topic = Topic::Lost(error.source_name().to_owned());
@@ -167,12 +158,40 @@ impl StatusLog {
         self.report_state(step, now, report);
         self.report_bent(step, hints.bent, now, report);
         self.report_place(step, hints, now, report);
-        let is_end = step.state == PipelineState::Stopped;
-        while let Some(held_back) = if is_end {
-            self.limits.take_any(now)
-        } else {
-            self.limits.take_due(now)
-        } {
+        self.report_held_back(step.state == PipelineState::Stopped, now, report);
+    }
+
+    /// Reports changes of the fingers that are not trusted, unless another notice explains them.
+    fn report_untrusted(
+        &mut self,
+        step: &StepView,
+        hints: &Hints,
+        now: Instant,
+        report: &mut impl FnMut(Notice),
+    ) {
+        let Some(pose) = step.pose else {
+            return;
+        };
+        let explained = hints.implausible[pose.side.index()].fingers();
+        let untrusted = pose.untrusted.difference(explained);
+        let reported = &mut self.untrusted[pose.side.index()];
+        if *reported != untrusted && self.limits.admits(Topic::Untrusted(pose.side), now) {
+            *reported = untrusted;
+            report(Notice::UntrustedFingers(untrusted));
+        }
+    }
+
+    /// Reports the notices that were held back in intervals that are over; at the end, all of them.
+    fn report_held_back(&mut self, is_end: bool, now: Instant, report: &mut impl FnMut(Notice)) {
+        loop {
+            let next = if is_end {
+                self.limits.take_any(now)
+            } else {
+                self.limits.take_due(now)
+            };
+            let Some(held_back) = next else {
+                return;
+            };
             report(Notice::HeldBack(Box::new(held_back)));
         }
     }
@@ -275,7 +294,7 @@ impl StatusLog {
         for (&side, (loss, reported)) in
             (Side::ALL.iter()).zip(hints.losses.iter().zip(&mut self.lost_hands))
         {
-            // A loss that another notice explains goes on.
+            // The notice of the implausible parts explains the loss, which lasts as long as they are implausible.
             let is_explained = hints.implausible[side.index()].concerns_hand();
             if *reported == loss.is_some() || is_explained && loss.is_none() {
                 continue;
@@ -307,7 +326,7 @@ impl StatusLog {
         }
     }
 
-    /// Reports that the layout has no place yet, or that the hand is beside it; the latter once.
+    /// Reports that the layout waits for an open hand, and, once, that a hand reaches none of its controls.
     fn report_place(
         &mut self,
         step: &StepView,

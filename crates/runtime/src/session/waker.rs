@@ -12,7 +12,7 @@ pub(super) struct Waker(Arc<Shared>);
 
 #[derive(Debug, Default)]
 struct Shared {
-    /// A message was queued since the loop last looked.
+    /// `true` if a message was queued since the loop last looked.
     has_messages: AtomicBool,
     target: Mutex<Option<WakeTarget>>,
 }
@@ -46,12 +46,12 @@ impl Waker {
     /// all queues costs it as much as a stage of the pipeline.
     pub fn receive<T>(&self, next: impl FnOnce() -> Option<T>) -> Option<T> {
         let has_messages = &self.0.has_messages;
-        // Cleared before the look: a message that is queued after it sets the flag again.
+        // Cleared before `next` looks: a message that is queued later sets the flag again.
         if !has_messages.load(Ordering::Relaxed) || !has_messages.swap(false, Ordering::Acquire) {
             return None;
         }
         let message = next();
-        // Others may wait behind it.
+        // More messages may wait behind this one.
         if message.is_some() {
             has_messages.store(true, Ordering::Relaxed);
         }

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::notice::{Notice, NoticeSender};
 
-/// The reasons why files of a session are incomplete: a notice at once, and a line in its state.
+/// The reasons why files of a session are incomplete. Each is sent as a notice at once, and is a line in the state of the session.
 #[derive(Clone, Default)]
 pub struct WriteFailures {
     reasons: Arc<Mutex<Vec<String>>>,
@@ -12,7 +12,7 @@ pub struct WriteFailures {
 }
 
 impl WriteFailures {
-    /// Creates an empty list whose additions are noticed.
+    /// Creates an empty list that sends each addition as a notice.
     pub(super) fn new(notices: NoticeSender) -> Self {
         Self {
             reasons: Arc::default(),

@@ -30,7 +30,7 @@ pub(super) struct WriterThread<T> {
     written: Arc<AtomicU64>,
     is_lossless: bool,
     missed: u64,
-    /// The session waits for the end of the writer, and returns its error.
+    /// `true` once the session waits for the end of the writer, and returns its error.
     is_finishing: Arc<AtomicBool>,
     failures: WriteFailures,
 }
@@ -68,8 +68,8 @@ impl<T> QueuedSteps<T> {
 }
 
 impl<T: Send + 'static> WriterThread<T> {
-    /// Starts to write to a new file. A lossless one delays the session loop when the disk is slow, which no output with an
-    /// effect allows; any other one drops steps and counts them. The first step that is missing is one of the `failures`.
+    /// Starts to write to a new file. If the disk is slow, a lossless writer delays the session loop, which no output with an
+    /// effect allows; any other writer drops steps and counts them. The first step that is dropped is reported to `failures`.
     pub fn start(
         path: &Path,
         is_lossless: bool,
@@ -115,7 +115,7 @@ impl<T: Send + 'static> WriterThread<T> {
         })
     }
 
-    /// Queues the part of a step.
+    /// Queues a step for the writer.
     pub fn push(&mut self, step: T) {
         let is_full = if self.is_lossless {
             let sent = self.queue.send(step);
