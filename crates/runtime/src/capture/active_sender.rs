@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 /// Silence of the active sender after which another one can become active.
 pub(super) const SENDER_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// The active sender of a source: packets of two would be a hand that jumps.
+/// The active sender of a source. If the packets of two senders were read together, the hand would jump between them.
 ///
-/// A sender becomes active with a valid packet and remains so until it has sent none for [`SENDER_TIMEOUT`]. Anything else
-/// that arrives, such as an empty datagram, makes no sender active and keeps none so.
+/// A sender becomes active with a valid packet and stays active until it has sent none for [`SENDER_TIMEOUT`]. Anything else,
+/// such as an empty datagram, neither makes a sender active nor keeps it active.
 #[derive(Debug)]
 pub(super) struct ActiveSender<T> {
     /// The active sender, and the time of its latest valid packet.
@@ -29,7 +29,7 @@ impl<T> Default for ActiveSender<T> {
 }
 
 impl<T: Copy + PartialEq> ActiveSender<T> {
-    /// Returns the active sender.
+    /// Returns the active sender; `None` if it has sent no valid packet for [`SENDER_TIMEOUT`].
     pub fn get(&self, now: Instant) -> Option<T> {
         let (sender, last) = self.active?;
         (now.saturating_duration_since(last) < SENDER_TIMEOUT).then_some(sender)
@@ -50,13 +50,13 @@ impl<T: Copy + PartialEq> ActiveSender<T> {
         true
     }
 
-    /// Returns `true` if bytes of another sender were read since the latest call.
+    /// Returns `true` if bytes of another sender were read since the previous call.
     pub fn take_change(&mut self) -> bool {
         std::mem::take(&mut self.has_changed)
     }
 
-    /// Makes the sender active whose bytes were read last, as they held a valid packet. Returns it if another one, or none, was
-    /// active before.
+    /// Makes the sender of the bytes that were read last active, because they completed a valid packet. Returns the sender if it is
+    /// another one than the previous active sender.
     pub fn accept(&mut self, now: Instant) -> Option<T> {
         let sender = self.latest?;
         let before = self.active.replace((sender, now));
@@ -66,12 +66,12 @@ impl<T: Copy + PartialEq> ActiveSender<T> {
     }
 }
 
-/// Number of the senders of a source so far.
+/// Counter of the senders of a source.
 #[derive(Debug, Default)]
 pub(super) struct SenderCount(u64);
 
 impl SenderCount {
-    /// Notes that a sender was accepted. `is_new` unless it was the active one before.
+    /// Counts a sender that was accepted, if `is_new`: it is another one than the previous active sender.
     pub fn note(&mut self, is_new: bool) {
         self.0 += u64::from(is_new);
     }

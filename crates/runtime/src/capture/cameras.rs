@@ -11,10 +11,10 @@ const LIST: &str = "/sys/class/video4linux";
 /// The folder of the devices.
 const DEVICES: &str = "/dev";
 
-/// The start of the name of each camera, which its number follows.
+/// The prefix of the name of each device, before its number.
 const PREFIX: &str = "video";
 
-/// The command of a hand in front of a camera.
+/// The command that tracks a hand with a camera.
 const COMMAND: &str = "ademan webcam";
 
 /// The largest number of entries of the list that are read.
@@ -25,14 +25,14 @@ const MAX_ENTRIES: usize = 256;
 pub struct Camera {
     /// The number of its device.
     pub number: u32,
-    /// Its device.
+    /// The path of its device.
     pub path: PathBuf,
     /// The name that its maker gave it; may be empty.
     pub name: String,
 }
 
 impl Camera {
-    /// Returns the command that follows a hand in front of it.
+    /// Returns the command that tracks a hand with this camera.
     pub fn command(&self) -> String {
         match self.number {
             0 => COMMAND.to_owned(),
@@ -57,7 +57,7 @@ fn cameras_in(list: &Path, devices: &Path) -> Vec<Camera> {
         let number = file_name.to_str()?.strip_prefix(PREFIX)?.parse().ok()?;
         let path = devices.join(&file_name);
         let text = |name: &str| fs::read_to_string(entry.path().join(name)).ok();
-        // The further devices of a camera have data about its images. Drivers of old cameras give no index.
+        // Devices with a higher index carry data about the images. Drivers of old cameras give no index.
         let is_first = text("index").is_none_or(|index| index.trim() == "0");
         (is_first && path.exists()).then(|| Camera {
             number,

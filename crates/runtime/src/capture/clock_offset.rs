@@ -7,7 +7,7 @@ use std::time::Duration;
 const WINDOW: Duration = Duration::from_secs(10);
 
 /// Offset of the clock of a source or a sender from the clock of the receiver: the smallest difference between the arrival of a
-/// reading and its own time in the last 10 to 20 s. A reading that was delayed on its way does not count as the clock.
+/// reading and its own time in the last 10 to 20 s. A reading that was delayed on its way does not change it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ClockOffset {
     /// Start of the present window on the clock of the receiver, in microseconds.
@@ -17,7 +17,8 @@ pub(super) struct ClockOffset {
 }
 
 impl ClockOffset {
-    /// Returns the offset after an arrival, in microseconds. Both times are in microseconds on their own clocks.
+    /// Updates the offset with a reading and returns it, in microseconds. `arrival` is in microseconds on the clock of the
+    /// receiver, `time` on the clock of the sender.
     pub fn update(&mut self, arrival: i64, time: i64) -> i64 {
         let difference = arrival - time;
         let [present, previous] = self.smallest.get_or_insert([difference; 2]);

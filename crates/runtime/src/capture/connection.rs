@@ -1,4 +1,4 @@
-//! Connections that carry bytes, and how they are opened.
+//! Connections that carry bytes, and the trait that opens them.
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result, Write};
@@ -41,7 +41,7 @@ pub(super) trait Connector: Clone + Send + 'static {
     /// Longest silence before the connection counts as lost. `None` for no limit.
     const IDLE_TIMEOUT: Option<Duration> = None;
 
-    /// Silence after the first connection after which a warning is due. `None` for no warning.
+    /// Longest silence after the first connection before a warning. `None` for no warning.
     const FIRST_BYTE_TIMEOUT: Option<Duration> = None;
 
     /// Returns the headsets that are connected, if it waits for headsets.
@@ -65,14 +65,15 @@ pub(super) trait ByteStream: Read + Send {
         false
     }
 
-    /// Returns `true` if the bytes of the latest read are the first of another sender since the latest call. The default has one
-    /// sender.
+    /// Returns `true` if bytes of another sender were read since the previous call. The default, for connections with one sender, is
+    /// `false`.
     fn take_sender_change(&mut self) -> bool {
         false
     }
 
-    /// Accepts the sender of the latest read, whose bytes completed a valid packet. For a time no other sender is read. Returns
-    /// `true` unless it is the one that was accepted before. The default has one sender.
+    /// Accepts the sender of the latest read, whose bytes completed a valid packet: no other sender is read until this one is silent.
+    /// Returns `true` if it is another one than the sender that was accepted before. The default, for connections with one sender, is
+    /// `false`.
     fn accept_sender(&mut self) -> bool {
         false
     }
@@ -116,7 +117,7 @@ impl Connection {
             && error.kind() == ErrorKind::WouldBlock
             && let Some(readiness) = &self.readiness
         {
-            // A device that hung up has no bytes and is ready for ever.
+            // A device that hung up has no bytes, and is always reported as ready: `poll` returns its error.
             readiness.poll(None, Some(Duration::ZERO))?;
         }
         result
@@ -131,7 +132,7 @@ impl Connection {
 /// Reason why a connection cannot be opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum ConnectError {
-    /// The device is absent, as while a cable is unplugged.
+    /// The device is absent, for example because its cable is unplugged.
     Absent(String),
     /// The device is present, but its user has to do something before it can be used.
     Unusable(String),

@@ -1,4 +1,4 @@
-//! Events of a source, and their conversion from its own results.
+//! Events of a source, and their conversion from the results of [`Source::next`].
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -67,7 +67,7 @@ pub(super) struct EventSource<S> {
     is_batched: bool,
     suspend: SuspendDetector,
     suspends: u64,
-    /// Time of the latest event with statistics, and these.
+    /// Time of the latest event with statistics, and the statistics.
     reported: (Instant, SourceStats),
 }
 
@@ -84,7 +84,7 @@ impl<S: Source> EventSource<S> {
         }
     }
 
-    /// Passes readings that are ready together on together.
+    /// Passes readings that are ready at the same time on in one event.
     pub fn with_batches(self) -> Self {
         Self {
             is_batched: true,
@@ -118,7 +118,7 @@ impl<S: Source> EventSource<S> {
         result.unwrap_or_else(|panic| Err(panic_error(self.source.name(), &*panic)))
     }
 
-    /// Passes readings that are ready on together. Returns another result, if one came after them.
+    /// Passes `first` and the readings that are ready on in one event. Returns the result after them, if it is not a reading.
     fn pass_ready(
         &mut self,
         first: Reading,
@@ -191,7 +191,7 @@ impl<S: Source> EventSource<S> {
         }
         let stats = self.stats();
         self.reported = (Instant::now(), stats);
-        // A packet of an unknown sender has no bytes in the statistics.
+        // The statistics do not count the bytes of a packet of an unknown sender.
         if stats.bytes > reported.bytes || stats.invalid != reported.invalid {
             emit(CaptureEvent::Noise(stats));
         }

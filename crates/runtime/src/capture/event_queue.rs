@@ -31,7 +31,7 @@ pub(super) trait EventBuffer {
     fn push(&mut self, event: CaptureEvent) -> Option<CaptureEvent>;
 }
 
-/// Events for another thread. Nothing else sends, so room that was made stays.
+/// Events for another thread. The queue is the only sender, so room that it has made stays free.
 pub(super) struct EventChannel {
     sender: Sender<CaptureEvent>,
     /// Receiver of the same channel, which removes the oldest events.
@@ -88,7 +88,7 @@ impl EventBuffer for VecDeque<CaptureEvent> {
     fn pop(&mut self) -> Option<CaptureEvent> {
         let event = self.pop_front();
         if self.is_empty() {
-            // The next event takes the same memory, which is in the processor's cache.
+            // The next event is written to the same memory, which is in the processor's cache.
             self.clear();
         }
         event
@@ -108,13 +108,15 @@ type Origin = Option<(Option<Side>, Option<HandPart>)>;
 
 /// A bounded queue that drops the oldest readings of a live source.
 ///
-/// Each hand, and each part of it, has its own share of the queue: one that floods it displaces no reading of the other.
+/// Each hand, and each part of it, has a quota of [`QUEUE_CAPACITY`] readings: a source that floods the queue displaces no
+/// reading of another hand or part.
 pub(super) struct EventQueue<B> {
     /// The queued events.
     pub buffer: B,
     is_live: bool,
     dropped: u64,
-    /// Origins of the latest events that were queued, the oldest one at `next_origin`. The last of them are in the queue.
+    /// Origins of the latest events that were queued, a ring whose oldest entry is at `next_origin`. The newest ones are the origins of
+    /// the events that are still in the queue.
     origins: [Origin; LIVE_CAPACITY],
     next_origin: usize,
 }
@@ -146,12 +148,12 @@ impl<B: EventBuffer> EventQueue<B> {
         {
             stats.dropped += self.dropped;
         }
-        self.note(origin);
+        self.record_origin(origin);
         self.buffer.push(event)
     }
 
-    /// Notes the origin of an event that is queued.
-    fn note(&mut self, origin: Origin) {
+    /// Records the origin of an event that is queued.
+    fn record_origin(&mut self, origin: Origin) {
         self.origins[self.next_origin] = origin;
         self.next_origin = (self.next_origin + 1) % LIVE_CAPACITY;
     }
@@ -162,8 +164,8 @@ impl<B: EventBuffer> EventQueue<B> {
         (first..first + count).map(|index| self.origins[index % LIVE_CAPACITY])
     }
 
-    /// Drops the oldest events until there is room for a reading of a hand, or for another event. Returns `false` if there is
-    /// none, as the hand has used its share and the oldest reading is one of the other hand.
+    /// Drops the oldest events until there is room for an event of this origin. Returns `false` if there is none: the origin has
+    /// used its quota, and the oldest reading has another origin.
     fn make_room_for(&mut self, origin: Origin) -> bool {
         loop {
             let count = self.buffer.count();
@@ -194,8 +196,8 @@ impl<B: EventBuffer> EventQueue<B> {
         }
     }
 
-    /// Drops all queued events except the losses, which must stay before the readings that follow them: the last one of each part that
-    /// was lost, as the loss of a part releases that part only.
+    /// Drops all queued events except losses, which must precede the readings that follow them. Of several losses of one part, or of
+    /// the whole source, keeps the last.
     fn keep_losses(&mut self, first: CaptureEvent) {
         let mut losses = ArrayVec::<CaptureEvent, MAX_LOSSES>::new();
         let mut next = Some(first);
@@ -211,8 +213,8 @@ impl<B: EventBuffer> EventQueue<B> {
             next = self.buffer.pop();
         }
         for loss in losses {
-            self.note(None);
-            // There is room: the buffer was empty a moment ago and nothing else sends.
+            self.record_origin(None);
+            // There is room: the buffer was emptied above, and nothing else sends.
             let _ = self.buffer.push(loss);
         }
     }
@@ -227,7 +229,7 @@ fn origin(event: &CaptureEvent) -> Origin {
     }
 }
 
-/// Returns the hand and the part that a loss is of; `None` for a loss of the whole source, and for any other event.
+/// Returns the hand and the part that a loss concerns; `None` for a loss of the whole source, and for any other event.
 fn lost_part(event: &CaptureEvent) -> Origin {
     match event {
         CaptureEvent::Lost(CaptureError::PartLost { side, part, .. }) => Some((*side, *part)),

@@ -54,10 +54,10 @@ impl FeedbackDevice {
         let _ = self.changed.try_send(());
     }
 
-    /// Replaces the connection, which may be one that cannot be written to.
+    /// Replaces the connection. `None` stands for a connection that cannot be written to.
     pub fn connect(&self, writer: Option<Box<dyn Write + Send>>) {
         *self.lock() = writer.map(|writer| Arc::new(Mutex::new(writer)));
-        // A message that waits has the same meaning.
+        // If the channel is full, the message in it announces this change, too.
         let _ = self.changed.try_send(());
     }
 

@@ -11,7 +11,7 @@ pub(super) struct GarbageDetector {
 }
 
 impl GarbageDetector {
-    /// Time of bytes without a packet after which a warning is due.
+    /// Longest time of bytes without a packet before a warning.
     pub const TIMEOUT: Duration = Duration::from_secs(2);
 
     /// Handles bytes that arrived at `now`. Returns `true` if a warning is due: once until packets arrive again.
@@ -40,7 +40,7 @@ pub(super) struct InvalidDetector {
 }
 
 impl InvalidDetector {
-    /// Most invalid packets for each valid one.
+    /// Largest number of invalid packets for each valid one without a warning.
     const MAX_RATIO: u64 = 9;
 
     /// Handles the numbers of all packets so far. Returns `true` if a warning is due: once until more of them are valid.
@@ -53,7 +53,7 @@ impl InvalidDetector {
         let new = valid - first_valid;
         let is_bad = new > 0 && invalid - first_invalid > new * Self::MAX_RATIO;
         let is_due = is_bad && !self.has_warned;
-        // A time without a valid packet is garbage, and says nothing about what was warned of.
+        // An interval without a valid packet is a case for `GarbageDetector`. It does not show that packets are valid again.
         self.has_warned = is_bad || self.has_warned && new == 0;
         is_due
     }

@@ -58,13 +58,14 @@ impl fmt::Display for HeadsetStatus {
 /// A function that receives the present state, and then each change. It must not block.
 type Observer = Box<dyn Fn(HeadsetStatus) + Send>;
 
-/// The headsets that are connected to a source. Clones are of the same source. Locked for a moment only, and never by the
+/// The headsets that are connected to a source. Clones belong to the same source. Locked for a moment only, and never by the
 /// thread that reads the source.
 #[derive(Clone, Default)]
 pub struct HeadsetList(Arc<Mutex<Connections>>);
 
 #[derive(Default)]
 struct Connections {
+    /// The id of the latest headset.
     latest: u64,
     /// The oldest first.
     connected: Vec<(u64, Headset)>,
@@ -98,7 +99,7 @@ impl HeadsetList {
 
 impl Connections {
     /// Passes the state to the observer. Several headsets may be connected until the hands of one are read, which ends the
-    /// connections of the others; the latest is the one that a person has just started.
+    /// connections of the others. The state shows the latest one, which a person has just started.
     fn report(&self) {
         let latest = self.connected.last();
         if let Some(observer) = &self.observer {

@@ -178,16 +178,16 @@ pub trait Source: Send {
         false
     }
 
-    /// Returns the present time on the clock of the source while it waits for a reading that it knows already; `None` if
-    /// it knows none. It is earlier than that reading.
+    /// Returns the present time on the clock of a source that holds a reading back until the reading is due, earlier than the time
+    /// of that reading; `None` for any other source.
     ///
-    /// A replay in real time knows it, so that its consumer detects a long gap before the gap ends.
+    /// By the clock of a replay in real time, its consumer detects a long gap before the gap ends.
     fn clock(&self) -> Option<Timestamp> {
         None
     }
 
-    /// Ends the capture: nothing is read any more, and the [statistics](Self::stats) cover everything that was read. The
-    /// default changes nothing. It may wait for a second.
+    /// Ends the capture: nothing is read after it, and the [statistics](Self::stats) cover everything that was read. May block for
+    /// 1 s. The default does nothing.
     fn stop(&mut self) {}
 
     /// Returns the statistics since the source was opened.

@@ -6,7 +6,7 @@ use super::RESTART_PAUSE;
 use super::protocol::StreamFormat;
 use ademan_core::time::Timestamp;
 
-/// Latest time of a packet that is followed, in microseconds: 285 years. Later packets are a microsecond apart.
+/// Latest time that is used as a packet states it: 285 years. Later packets get times that are 1 µs apart.
 const LATEST: Timestamp = Timestamp(1 << 53);
 
 /// Clock that stamps the packets of a stream.
@@ -69,7 +69,7 @@ impl PacketClock {
                 let time = nominal.unwrap_or_else(|| format.nominal_time(*packets));
                 if let Some(sent_at) = sent_at {
                     if sent_at < *stated {
-                        // Packets that are all late would follow each other at once.
+                        // Without the shift, all packets of the new run would be in the past, and get times 1 µs apart.
                         *shift = (*last + RESTART_PAUSE).since(sent_at);
                     }
                     *stated = sent_at;

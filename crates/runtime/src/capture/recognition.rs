@@ -19,9 +19,9 @@ const ENOUGH_BYTES: usize = 400;
 /// The source that the bytes of a serial port look like.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Recognition {
-    /// Packets of one of these sources, which differ in their format only.
+    /// Packets of one of these sources, which differ only in their format.
     Sources(Vec<SourceUri>),
-    /// This number of bytes, which are packets of no known format.
+    /// Bytes of no known format: their number.
     Unknown(usize),
     /// No bytes.
     Silent,
@@ -30,13 +30,13 @@ pub enum Recognition {
 /// Listens to a serial port for some seconds. An error states the reason and the remedy.
 pub fn recognize(port: &str) -> Result<Recognition, String> {
     let mut baud = serial::DEFAULT_BAUD;
-    let mut heard = hear(port, baud)?;
+    let mut heard = listen(port, baud)?;
     let mut formats = heard.likely_formats();
     if formats.is_empty()
         && let Some(slower) = heard.slower_sender(baud)
     {
         baud = slower;
-        heard = hear(port, baud)?;
+        heard = listen(port, baud)?;
         formats = heard.likely_formats();
     }
     if formats.is_empty() {
@@ -57,8 +57,8 @@ pub fn recognize(port: &str) -> Result<Recognition, String> {
     ))
 }
 
-/// Returns the bytes of a port: enough to recognize a format, or all of the listening time.
-fn hear(port: &str, baud: NonZeroU32) -> Result<UnknownBytes, String> {
+/// Returns the first bytes of a port: until a format is recognized, for at most [`LISTEN_TIME`].
+fn listen(port: &str, baud: NonZeroU32) -> Result<UnknownBytes, String> {
     let start = Instant::now();
     let mut heard = UnknownBytes::new(false);
     let (mut total, mut tried) = (0, 0);

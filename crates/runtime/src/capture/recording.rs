@@ -16,8 +16,8 @@ pub struct Replay<R = File> {
     name: String,
     recording: Recording<R>,
     readings: u64,
-    /// Commands that let sources press keys, or only point, are left out.
-    lacks_permissions: bool,
+    /// `true` if commands that let sources press keys, or only point, are left out.
+    omits_permissions: bool,
     truncation: SharedTruncation,
 }
 
@@ -47,7 +47,7 @@ impl<R: Read + Send> Replay<R> {
             name,
             recording,
             readings: 0,
-            lacks_permissions: false,
+            omits_permissions: false,
             truncation: SharedTruncation::default(),
         };
         replay.report_truncation();
@@ -70,7 +70,7 @@ impl<R: Read + Send> Replay<R> {
     /// Leaves out the commands that let sources press keys, or only point: for sessions with the permissions of the person.
     #[must_use]
     pub fn without_permissions(mut self) -> Self {
-        self.lacks_permissions = true;
+        self.omits_permissions = true;
         self
     }
 
@@ -122,7 +122,7 @@ impl<R: Read + Send> Source for Replay<R> {
                 SourceEvent::Reading(reading)
             }
             Some(RecordedEvent::Command(command))
-                if self.lacks_permissions && command.is_permission() =>
+                if self.omits_permissions && command.is_permission() =>
             {
                 SourceEvent::Idle
             }
@@ -138,7 +138,7 @@ impl<R: Read + Send> Source for Replay<R> {
         &self.name
     }
 
-    /// Returns the period of the recorded source, if that knew it.
+    /// Returns the period of the recorded source, if the recording states it.
     fn packet_period(&self) -> Option<Duration> {
         self.setup().packet_period()
     }

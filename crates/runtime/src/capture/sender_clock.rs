@@ -11,22 +11,22 @@ pub(super) const DEFAULT_MAX_AGE: Duration = Duration::from_millis(200);
 /// Time in which the clock of a sender has to keep pace before readings are judged by it.
 const TRIAL: Duration = Duration::from_secs(2);
 
-/// The most by which the smallest delay of the second half of a trial may exceed the smallest delay of the first half. A clock
+/// The largest excess of the smallest delay of the second half of a trial over the smallest delay of the first half. A clock
 /// that loses 3 % or counts other units than microseconds never passes.
 const TRIAL_TOLERANCE: Duration = Duration::from_millis(25);
 
-/// Time without a young reading after which the clock is tried again: it may have been set, or have stood still.
+/// Longest time in which all readings are too old. After it a new trial starts: the clock may have been set, or have stood still.
 const MAX_LATENESS: Duration = Duration::from_secs(10);
 
-/// Time in which only earlier times arrive, after which the clock counts as set back: datagrams that a network has held back
-/// arrive among newer ones.
+/// Time in which only packets with earlier times arrive, after which the clock counts as set back. Datagrams that a network has
+/// delayed arrive among newer ones.
 const MIN_REFUSAL: Duration = Duration::from_millis(100);
 
-/// The clock of a sender, by which readings are recognised that a congested network has delayed.
+/// The clock of a sender, which detects readings that a congested network has delayed.
 ///
 /// The age of a reading is its delay less the smallest delay of the last 10 to 20 s, so that the two clocks need no common
-/// origin. A steady delay is therefore not recognised, only one that has grown. A clock that does not keep pace with the
-/// receiver's is not used.
+/// origin. A steady delay is therefore not detected, only a delay that has grown. A clock that does not keep pace with the
+/// clock of the receiver is not used.
 #[derive(Debug)]
 pub(super) struct SenderClock {
     max_age: Duration,
@@ -36,9 +36,9 @@ pub(super) struct SenderClock {
     latest: Timestamp,
     /// `None` once the clock has kept pace.
     trial: Option<Trial>,
-    /// Arrival of the first of the old readings that no young one has followed, in microseconds.
+    /// Arrival of the first reading that was too old since the latest one that was not, in microseconds.
     late_since: Option<i64>,
-    /// Arrival of the first of the packets that were refused for an earlier time and that no later time has followed.
+    /// Arrival of the first packet that was refused for its earlier time since the latest one that was not, in microseconds.
     refused_since: Option<i64>,
 }
 
@@ -51,7 +51,7 @@ struct Trial {
 }
 
 impl SenderClock {
-    /// Creates the clock of a sender of which nothing was received.
+    /// Creates the clock of a sender from which nothing was received yet.
     pub fn new(max_age: Duration) -> Self {
         Self {
             max_age,
@@ -74,7 +74,8 @@ impl SenderClock {
         self.max_age = age;
     }
 
-    /// Returns `true` if a reading that arrives `now` is older than the largest age. `sent_at` is the time that it states.
+    /// Updates the clock with a reading that arrives `now` and states the time `sent_at`. Returns `true` if the reading is older than
+    /// the largest age.
     pub fn is_too_old(&mut self, now: Instant, sent_at: Timestamp) -> bool {
         let arrival = self.arrival(now);
         self.refused_since = None;
@@ -88,7 +89,7 @@ impl SenderClock {
         let delay = arrival - time;
         let age = delay - self.offset.update(arrival, time);
         if let Some(trial) = &mut self.trial {
-            if trial.is_passed(arrival, delay) {
+            if trial.update(arrival, delay) {
                 self.trial = None;
             }
             return false;
@@ -104,8 +105,9 @@ impl SenderClock {
         true
     }
 
-    /// Notes the arrival of packets that the protocol refuses, as they state earlier times than a packet before them. If no
-    /// others arrive, the clock was set back by a little, and what it states later cannot be compared with what it has stated.
+    /// Updates the clock with packets that the protocol refuses because they state earlier times than a packet before them. If only
+    /// such packets arrive for [`MIN_REFUSAL`], the clock was set back by a little, and its later times are not comparable with its
+    /// earlier ones.
     pub fn note_refused(&mut self, now: Instant) {
         let arrival = self.arrival(now);
         let since = *self.refused_since.get_or_insert(arrival);
@@ -132,8 +134,8 @@ impl Trial {
         smallest: [i64::MAX; 2],
     };
 
-    /// Adds a reading. Returns `true` if the clock has kept pace; otherwise a new trial starts at the end of this one.
-    fn is_passed(&mut self, arrival: i64, delay: i64) -> bool {
+    /// Adds a reading. Returns `true` at the end of the trial if the clock has kept pace; otherwise a new trial starts.
+    fn update(&mut self, arrival: i64, delay: i64) -> bool {
         if self.started_at == i64::MIN {
             self.started_at = arrival;
         }

@@ -10,9 +10,10 @@ use super::{
 };
 use ademan_core::hand::Side;
 
-/// A source whose readings with both arms are repeated for each side, and so are sensor channels if one converter carries two gloves.
+/// A source that repeats each reading of both arms, once for each side. If one converter carries two gloves, readings of sensor channels
+/// are repeated, too.
 ///
-/// Readings of one hand pass unchanged if the setup has that hand. Others are left out.
+/// Readings of one hand pass unchanged if the setup has that hand. Other readings are left out.
 pub struct SidedSource {
     source: Box<dyn Source>,
     sides: ArrayVec<Side, { Side::COUNT }>,
@@ -30,7 +31,7 @@ pub struct SidedSource {
     is_explained: bool,
 }
 
-/// Readings of another hand after which a source probably shows no hand of the setup: one to three seconds.
+/// Number of readings of another hand after which a source probably shows no hand of the setup: 1 to 3 s.
 const MANY_LEFT_OUT: u64 = 100;
 
 impl SidedSource {
@@ -57,14 +58,14 @@ impl SidedSource {
         }
     }
 
-    /// Says once that the source shows only another hand.
+    /// Warns once that the source shows only another hand.
     fn explain(&mut self) {
         if self.is_explained {
             return;
         }
         if let Some((side, kind)) = self.latest_left_out {
             self.is_explained = true;
-            // Rotations of bones come without such an option.
+            // Sources of bone rotations have no such option.
             let option = match kind {
                 SampleKind::Bones => String::new(),
                 _ => format!("`hand={side}` to the options of the source, or "),
@@ -76,7 +77,7 @@ impl SidedSource {
         }
     }
 
-    /// Leaves a reading of a side out.
+    /// Counts a reading that is left out, and warns if there are many.
     fn leave_out(&mut self, side: Side, kind: SampleKind) -> SourceEvent {
         self.left_out += 1;
         self.latest_left_out = Some((side, kind));

@@ -1,4 +1,4 @@
-//! Source that its consumer reads itself, without a thread in between.
+//! A source that its consumer reads itself, without a thread in between.
 
 use std::collections::VecDeque;
 use std::thread;
@@ -23,7 +23,7 @@ const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 /// A reading needs no second thread and no wake-up of one. When the consumer is late, the bytes wait in the kernel; then
 /// everything that waits is read at once, and of the readings in it the queue keeps the newest.
 pub(crate) struct InPlaceCapture {
-    /// Present until it is closed.
+    /// The source; `None` once it is closed.
     source: Option<EventSource<Box<dyn Source>>>,
     queue: EventQueue<VecDeque<CaptureEvent>>,
     wake_up: WakeUp,
@@ -53,7 +53,7 @@ impl InPlaceCapture {
         !self.queue.buffer.is_empty()
     }
 
-    /// Reads no more. If packets were refused since the latest statistics, the last event has them.
+    /// Stops reading. If packets were refused since the latest statistics, queues a last event with the new statistics.
     pub fn stop(&mut self) {
         let source = self.source.as_mut();
         if let Some(stats) = source.and_then(EventSource::stop) {
@@ -61,7 +61,7 @@ impl InPlaceCapture {
         }
     }
 
-    /// Returns what ends a [`wait`](Self::wait) from any thread.
+    /// Returns the handle that ends a [`wait`](Self::wait), from any thread.
     pub fn wake_up(&self) -> &WakeUp {
         &self.wake_up
     }

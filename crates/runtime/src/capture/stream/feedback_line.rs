@@ -18,7 +18,7 @@ impl FeedbackLine {
         self.device.as_ref()
     }
 
-    /// Uses the form of feedback that the device has shown to read.
+    /// Switches to the form of feedback that the latest packet shows the device to read.
     pub fn note(&mut self, format: Option<&'static FeedbackFormat>) {
         let Some(format) = format else {
             return;

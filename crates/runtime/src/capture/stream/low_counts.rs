@@ -7,13 +7,13 @@ use crate::capture::{Channels, Sample};
 /// Largest count of a converter of 10 bits.
 const LARGEST_COUNT: u16 = 1023;
 
-/// Distance from the lowest count so far at which a finger is bent, if the converter has 10 bits. The counts of straight fingers differ
-/// by less with either converter.
-const BENT: u16 = 384;
+/// Smallest difference from the lowest count so far that shows a bent finger, if the converter has 10 bits. The counts of straight
+/// fingers differ by less with either converter.
+const MIN_BEND: u16 = 384;
 
-/// Readings with a bent finger after which a warning is due: 3 s of a usual glove. With 12 bits, a finger passes such counts within
-/// some readings, and then exceeds them.
-const READINGS: u32 = 300;
+/// Number of readings with a bent finger after which a warning is due: 3 s of a usual glove. With 12 bits, a finger passes such counts
+/// within some readings, and then exceeds them.
+const MIN_BENT_READINGS: u32 = 300;
 
 /// The counts of the fingers of a LucidGloves source that does not state the largest one.
 pub struct LowCounts {
@@ -53,11 +53,11 @@ impl LowCounts {
                 largest = largest.max(count);
             }
         }
-        if largest.saturating_sub(self.lowest) >= BENT {
+        if largest.saturating_sub(self.lowest) >= MIN_BEND {
             self.bent += 1;
         }
         let is_low = largest <= LARGEST_COUNT;
-        self.is_watching = is_low && self.bent < READINGS;
+        self.is_watching = is_low && self.bent < MIN_BENT_READINGS;
         is_low && !self.is_watching
     }
 }

@@ -1,4 +1,4 @@
-//! Byte stream as a source: decoding, time stamps and reconnection, common to all transports.
+//! A byte stream as a source: decoding, time stamps and reconnection, common to all transports.
 
 mod bit_rate;
 mod feedback_line;
@@ -54,7 +54,7 @@ pub(super) struct StreamSource<C> {
     /// Packets of other senders, which the decoder has not seen.
     unread: InvalidPackets,
     senders: SenderCount,
-    /// Time at which a call returns without a reading, so that what was counted since the last one is reported.
+    /// Time at which a call returns although no reading is complete, so that the statistics since the last reading are reported.
     report_at: Option<Instant>,
 }
 
@@ -178,7 +178,7 @@ impl<C: Connector> StreamSource<C> {
     fn handle_bytes(&mut self, length: usize) -> Result<SourceEvent, CaptureError> {
         let now = Instant::now();
         self.forget_other_sender();
-        // A pause that ended before a wait for it did. It confirms nothing, as this thread may have been late.
+        // The line has paused, but no wait has noticed it. The pause confirms no packet, because this thread may have been late.
         if !self.decoder.awaits_pause() && self.has_paused(now) {
             self.decoder.pause(&mut |_| {});
         }
@@ -292,7 +292,7 @@ impl<C: Connector> StreamSource<C> {
             return Ok(reading);
         }
         match self.decoder.take_error() {
-            Some(reason) => Err(self.end_of_format(reason)),
+            Some(reason) => Err(self.fail_to_decode(reason)),
             None => {
                 self.warn_if_nothing_was_valid();
                 Ok(SourceEvent::End)
@@ -311,7 +311,7 @@ impl<C: Connector> StreamSource<C> {
     }
 
     /// Handles an error after which the stream cannot be decoded.
-    fn end_of_format(&mut self, reason: String) -> CaptureError {
+    fn fail_to_decode(&mut self, reason: String) -> CaptureError {
         if C::RECONNECTS {
             return self.lose(reason);
         }
@@ -408,7 +408,7 @@ impl<C: Connector> Source for StreamSource<C> {
             return Ok(reading);
         }
         if let Some(reason) = self.format_error.take() {
-            return Err(self.end_of_format(reason));
+            return Err(self.fail_to_decode(reason));
         }
         match &self.state {
             State::Connected(_) => self.read(),

@@ -14,15 +14,15 @@ use crate::capture::{Reading, SourceEvent};
 pub struct PendingReadings {
     pub readings: VecDeque<Reading>,
     clock: PacketClock,
-    /// The clock by which old readings are recognised; `None` if none is dropped.
+    /// The clock that detects old readings; `None` if old readings are not dropped.
     pub sender: Option<SenderClock>,
     /// Readings that were dropped because of their age.
     pub too_old: InvalidPackets,
-    /// Number of packets so far that the decoder has refused, as they state much earlier times than a packet before them.
+    /// Number of packets so far that the decoder has refused because they state much earlier times than a packet before them.
     earlier: u64,
     /// `true` if the latest reading was too old.
     is_late: bool,
-    /// `true` if it was at the latest call of [`warn`](Self::warn).
+    /// The value of `is_late` at the latest call of [`warn`](Self::warn).
     was_late: bool,
     low_counts: LowCounts,
     /// `true` if a warning about the counts is due.
@@ -65,7 +65,7 @@ impl PendingReadings {
         });
     }
 
-    /// Handles bytes without a packet that arrived at `now`; `refused` is what the decoder has refused so far.
+    /// Handles bytes without a packet that arrived at `now`; `refused` are all packets so far that the decoder has refused.
     pub fn note_refused(&mut self, now: Instant, refused: InvalidPackets) {
         let earlier = refused.get(InvalidPacket::TooOld);
         if let Some(sender) = &mut self.sender
@@ -87,6 +87,7 @@ impl PendingReadings {
         }
     }
 
+    /// Removes the oldest reading.
     pub fn pop(&mut self) -> Option<SourceEvent> {
         self.readings.pop_front().map(SourceEvent::Reading)
     }

@@ -1,4 +1,4 @@
-//! Bytes that form no packet: since when they arrive, and what they look like.
+//! Bytes that form no packet: for how long they have arrived, and which format or bit rate they look like.
 
 use std::num::NonZeroU32;
 use std::time::Instant;
@@ -52,7 +52,7 @@ impl UnknownBytes {
         (self.invalid).update(now, stats.readings, stats.invalid.total())
     }
 
-    /// Forgets all bytes, and since when they arrive.
+    /// Forgets all bytes, and for how long they have arrived.
     pub fn clear(&mut self) {
         self.detector = GarbageDetector::default();
         self.invalid = InvalidDetector::default();
@@ -82,7 +82,7 @@ impl UnknownBytes {
             .or_else(|| self.likely_bit_rate(format))
     }
 
-    /// Returns the formats that understand most of the bytes, if that is half of them.
+    /// Returns the formats that decode the largest number of bytes, all of them equally many, if that is at least half of the bytes.
     pub fn likely_formats(&self) -> Vec<StreamFormat> {
         self.best_of(candidates(self.is_datagram))
     }
@@ -180,8 +180,8 @@ fn candidates(is_datagram: bool) -> impl Iterator<Item = StreamFormat> {
         .filter(move |format| format.protocol.carriers != refused)
 }
 
-/// Returns `true` if a format could understand what another one does not: other options of one protocol read the same packets, but for
-/// the marks of the HC11.
+/// Returns `true` if `candidate` may decode packets that `format` does not: another protocol, or another framing of the HC11. All
+/// other options of a protocol read the same packets.
 fn is_other(candidate: &StreamFormat, format: &StreamFormat) -> bool {
     let is_same = candidate.protocol == format.protocol;
     !is_same || (format.protocol == &hc11::PROTOCOL && candidate.options != format.options)

@@ -1,4 +1,4 @@
-//! Warnings about a device from which nothing is understood.
+//! Warnings about the bytes and the readings of a source.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Source on its own thread, behind a bounded channel.
+//! A source on its own thread, behind a bounded channel.
 
 use std::thread::{JoinHandle, Thread};
 use std::time::Duration;
@@ -162,8 +162,8 @@ struct EventSender {
     consumer: ConsumerThread,
 }
 
-/// Thread of the consumer, which may be parked. Unparking takes no lock. A wake-up through the channel would hold a lock that the
-/// consumer needs at once.
+/// Thread of the consumer, which may be parked. Unparking takes no lock; a wake-up through the channel would hold a lock that the
+/// consumer needs as soon as it wakes up.
 struct ConsumerThread(Thread);
 
 impl ConsumerThread {

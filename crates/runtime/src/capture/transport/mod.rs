@@ -129,7 +129,7 @@ pub struct StreamUri {
 pub const MAX_DELAY: Duration = Duration::from_millis(500);
 
 impl StreamUri {
-    /// Creates a URI of a source without a delay and without what only some transports have.
+    /// Creates a URI without a delay, and without the options that only some transports have.
     pub(super) fn new(
         transport: &'static Transport,
         address: String,

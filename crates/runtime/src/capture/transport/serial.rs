@@ -14,7 +14,7 @@ use super::usb_port::{KnownDevice, Port, PortChoice, choose_port};
 use super::{Scheme, Transport, check_no_question_mark, open_stream};
 use crate::advice::{self, AccessDenied};
 use crate::capture::connection::{
-    ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, WRITE_TIMEOUT,
+    ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, WRITE_TIMEOUT, is_idle,
 };
 use crate::capture::poll::Readiness;
 use ademan_core::message::escape;
@@ -41,7 +41,7 @@ pub const TRANSPORT: Transport = Transport {
     },
 };
 
-/// The bit rate without another one.
+/// The bit rate if the URI states none.
 pub const DEFAULT_BAUD: NonZeroU32 = NonZeroU32::new(115_200).unwrap();
 
 /// Connector to a serial port, which follows a USB device to another port name.
@@ -175,38 +175,27 @@ pub fn port_names() -> Vec<String> {
     ports.map(|port| port.name).collect()
 }
 
-/// Passes the bytes of a port to `receive` until that returns `false`, at least each time when none arrive for a while. An error
-/// states the reason and the remedy.
+/// Passes the bytes of a port to `receive` until it returns `false`. `receive` is also called, without bytes, whenever none arrive
+/// for [`READ_TIMEOUT`]. An error states the reason and the remedy.
 pub fn listen(
     port_name: &str,
     baud: NonZeroU32,
     mut receive: impl FnMut(&[u8]) -> bool,
 ) -> Result<(), String> {
-    let opened = open(port_name, baud.get());
-    let mut port =
-        opened.map_err(
-            |error| match open_error(&error, port_name, &present_ports()) {
-                ConnectError::Absent(reason) | ConnectError::Unusable(reason) => reason,
-            },
-        )?;
+    let mut port = open(port_name, baud.get())
+        .map_err(|error| open_error(&error, port_name, &present_ports()).into_reason())?;
     let mut buffer = [0; 512];
     loop {
         let length = match port.read(&mut buffer) {
             Ok(0) => return Ok(()),
             Ok(length) => length,
-            Err(error) if is_pause(&error) => 0,
+            Err(error) if is_idle(error.kind()) => 0,
             Err(error) => return Err(error.to_string()),
         };
         if !receive(&buffer[..length]) {
             return Ok(());
         }
     }
-}
-
-/// Returns `true` if a read may be tried again.
-fn is_pause(error: &std::io::Error) -> bool {
-    use std::io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
-    matches!(error.kind(), Interrupted | TimedOut | WouldBlock)
 }
 
 fn present_ports() -> Vec<Port> {
