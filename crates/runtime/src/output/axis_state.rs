@@ -2,7 +2,7 @@
 
 use ademan_core::device::{Axis, EventKind};
 
-/// The set of axes that are off center, as tracked by every output that has axes.
+/// The set of axes that are off center. Every output with axes tracks it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AxisState([bool; Axis::COUNT]);
 

@@ -1,4 +1,4 @@
-//! A key that types a character, and that this program has added to the keymap of a display.
+//! Keys that this program adds to the keymap of a display to type characters.
 
 use std::time::Duration;
 
@@ -28,7 +28,7 @@ pub enum KeymapChange {
 pub struct AddedKeys(Vec<CharacterKey>);
 
 impl AddedKeys {
-    /// Applies a change. A key that is added replaces another one with its code.
+    /// Applies a change. A key that is added replaces a key with the same code.
     pub fn apply(&mut self, key: CharacterKey, change: KeymapChange) {
         self.0.retain(|other| other.code != key.code);
         if change == KeymapChange::Added {

@@ -85,7 +85,7 @@ pub struct Backend {
     pub name: &'static str,
     /// The placeholder of the optional argument in `NAME:ARGUMENT`, such as `PATH`.
     pub argument: Option<&'static str>,
-    /// `true` if the argument may not be left out.
+    /// `true` if the argument must be given.
     pub is_argument_required: bool,
     /// One line for help texts, in lower case and without a full stop.
     pub summary: &'static str,
@@ -159,33 +159,33 @@ pub trait Sink: Send {
         false
     }
 
-    /// Returns `true` if something outside of this process changes with the events, such as a pressed key. Then the loop
-    /// must wait for no observer.
+    /// Returns `true` if the events change something outside of this process, such as a pressed key. Then the loop must not wait for
+    /// its observers.
     fn has_effect(&self) -> bool {
         true
     }
 
-    /// Makes a log drop lines, and count them, when its reader is too slow. A log is lossless before: it waits.
+    /// Makes a log drop lines, and count them, when its reader is too slow. Before this call a log is lossless: it waits for its reader.
     fn drop_when_full(&mut self) {}
 
-    /// Sets the receiver of the error of a log that fails while the other outputs continue, see [`Router`].
+    /// Sets the receiver of errors of logs that fail while the other outputs continue; see [`Router`].
     fn on_log_failure(&mut self, _: LogFailureReceiver) {}
 
     /// Sets the names of the targets in later events, for sinks that write them.
     fn set_target_names(&mut self, _: &TargetNames) {}
 
-    /// Sets what the targets in later events send to music and stage programs, for sinks that send it. Ends what the targets of
-    /// earlier events still play.
+    /// Sets the signals that targets in later events send to music and stage programs, for sinks that send them. Ends the notes of
+    /// targets in earlier events.
     fn set_signals(&mut self, _: &Signals) {}
 
-    /// Makes presses and characters void that have been sent but not yet delivered; called before the releases of a
+    /// Voids the presses and characters that were sent and not yet delivered; called before the releases of a
     /// pause, a stall or a stop. They are [counted](Self::dropped_presses). Ends a [stall](Self::has_stalled) of the sink.
     /// Sinks without a queue and without a watchdog ignore it.
     fn void_presses(&mut self) {}
 
     /// Returns `true` if a press was dropped, or the watchdog has released keys, since the last call of
-    /// [`void_presses`](Self::void_presses). The receiver does not have the state that the events so far describe: a
-    /// modifier may be up that counts as pressed. The sink drops presses until everything is released and
+    /// [`void_presses`](Self::void_presses). The state of the receiver then differs from the state after the events so far: a
+    /// modifier that counts as pressed may be up. The sink drops presses until everything is released and
     /// `void_presses` is called.
     fn has_stalled(&self) -> bool {
         false
@@ -195,8 +195,8 @@ pub trait Sink: Send {
     /// for its reader.
     fn close(&mut self) -> Result<(), OutputError>;
 
-    /// Returns the number of presses and characters that were dropped because the queue was full, they became void
-    /// before they were delivered, the output lacks the key, or it cannot type the text that they are part of.
+    /// Returns the number of presses and characters that were dropped, because the queue was full, they were voided before
+    /// they were delivered, the output lacks the key, or it cannot type their text.
     fn dropped_presses(&self) -> u64 {
         0
     }
@@ -212,10 +212,10 @@ pub trait Sink: Send {
         TextField::default()
     }
 
-    /// Shows what the text decoder of the active layout offers, after each step.
+    /// Shows the candidates of the text decoder of the active layout, after each step; `None` without a decoder.
     fn show_text(&mut self, _: Option<&TextState>) {}
 
-    /// Returns the candidate that was chosen in the list that the sink shows, counted from 1, once.
+    /// Returns, once, the number of the candidate that was chosen in the list of the sink, from 1.
     fn take_choice(&mut self) -> Option<u8> {
         None
     }

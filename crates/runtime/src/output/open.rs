@@ -91,15 +91,15 @@ pub fn check_layout_change(
     Ok(())
 }
 
-/// Returns `true` if one of the outputs carries all required capabilities, so that their events arrive in the order in which they are
-/// sent: a [`Router`] sends a step to one output after the other. `false` if the names are invalid.
+/// Returns `true` if one output carries all required capabilities, so that events arrive in the order in which they are sent: a
+/// [`Router`] sends the events of a step to one output after the other. `false` if the names are invalid.
 pub fn keeps_order(names: &str, required: &Capabilities) -> bool {
     let routes = parse(names).map_or_else(|_| Vec::new(), |outputs| routes(&outputs));
     (0..routes.len()).any(|index| routed_to(&routes, index, required) == *required)
 }
 
-/// Returns `true` if events reach another program: an output is neither a log nor [`none`](super::BACKENDS). Also if the names
-/// are invalid.
+/// Returns `true` if events reach another program, because an output is neither a log nor [`none`](super::BACKENDS), or if the
+/// names are invalid.
 pub fn has_effect(names: &str) -> bool {
     let is_effective =
         |output: &NamedOutput| !output.backend.is_log && output.backend != &null::BACKEND;

@@ -1,4 +1,4 @@
-//! The output `osc`: what the signals of a layout send, as messages of Open Sound Control over UDP.
+//! The output `osc`: the signals of a layout as Open Sound Control messages over UDP.
 //!
 //! A message has the address of its control and one number (`f`): the value of a slider or a knob, the velocity of a key while it
 //! is pressed, and the number for 0 at its release. A key that reports its depth sends it to its address with `/depth` at the end.
@@ -42,16 +42,16 @@ fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
     Ok(Box::new(osc))
 }
 
-/// A sink that sends messages of OSC.
+/// A sink that sends OSC messages.
 ///
-/// It never blocks. A message that the system does not accept is sent with the next step, in its latest form; a press that is over
-/// by then is [counted](Sink::dropped_presses). UDP confirms nothing: the network may lose any message.
+/// It never blocks. A message that the system does not accept is sent in the next step, with its latest value. A press that has ended
+/// by then is [counted](Sink::dropped_presses) as dropped. UDP confirms nothing: the network may lose any message.
 pub struct Osc {
     socket: UdpSocket,
     signals: Signals,
     /// The messages, in the order of the signals.
     messages: Vec<SignalMessages>,
-    /// The messages of earlier signals that could not be sent, whose addresses no present signal has.
+    /// The messages of the previous signals that could not be sent, and whose addresses no present signal has.
     ended: Vec<Message>,
     /// `true` if a message could not be sent.
     has_due: bool,
@@ -65,7 +65,7 @@ struct SignalMessages {
     depth: Option<Message>,
 }
 
-/// A message, and what was sent with it.
+/// A message of one address, and the state of the values sent with it.
 struct Message {
     /// The datagram. Its last four bytes are the number.
     datagram: Vec<u8>,
@@ -196,7 +196,7 @@ impl Message {
             *last = number.to_be_bytes();
         }
         let sent = match socket.send(&self.datagram) {
-            // The answer to an earlier message that no program received; this message was not sent.
+            // This error is the answer to an earlier message, which no program has received. This message was not sent.
             Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {
                 match socket.send(&self.datagram) {
                     Err(again) if again.kind() == io::ErrorKind::ConnectionRefused => Ok(0),

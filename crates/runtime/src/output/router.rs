@@ -6,7 +6,7 @@ use ademan_core::device::signals::Signals;
 use ademan_core::device::{Capabilities, Capability, EventKind, Events, OutputEvent, TimedCommand};
 use ademan_core::pipeline::TextState;
 
-/// The property of an output that decides which events it receives.
+/// The properties of an output that decide which events it receives.
 #[derive(Clone, Debug)]
 pub(super) struct Route {
     /// The capabilities of the output.
@@ -30,9 +30,9 @@ pub(super) fn route(routes: &[Route], capability: Capability) -> Option<usize> {
 /// that require no capability, such as depths and values, go to all outputs, and logs receive every event. A failed
 /// output does not keep events from the others; the first error is returned.
 ///
-/// A log next to an output with an effect may fail, as on a full disk, without an end of the others: its error is
-/// [reported](Sink::on_log_failure) at once and returned by [`close`](Sink::close). A pipe that its reader has closed is an end
-/// that was asked for.
+/// A log next to an output with an effect may fail, as on a full disk, without ending the others: its error is
+/// [reported](Sink::on_log_failure) at once, and returned by [`close`](Sink::close). A closed pipe is returned at once, because its
+/// reader has asked for the end.
 pub struct Router {
     sinks: Vec<Box<dyn Sink>>,
     routes: Vec<Route>,

@@ -1,4 +1,4 @@
-//! The text before the cursor: whether a word that is typed there starts a sentence.
+//! The position of the cursor in a sentence: a word at its start gets a capital.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -15,11 +15,11 @@ pub(super) enum Place {
     /// Not known, or the field does not ask for capitals.
     #[default]
     Unknown,
-    /// Inside.
+    /// Inside a sentence.
     Inside,
-    /// Right behind a mark that may end it.
+    /// Directly behind a mark that may end a sentence.
     BehindMark,
-    /// The start of the next one.
+    /// At the start of a sentence.
     Start,
 }
 
@@ -72,10 +72,10 @@ impl SharedPlace {
     }
 }
 
-/// The place of the cursor in a field, as far as it follows from the text that the field has taken.
+/// The place of the cursor in a field, derived from the text that was sent to the field.
 #[derive(Default)]
 pub(super) struct Sentence {
-    /// The place before `tail`; `None` if the field has to say it.
+    /// The place before `tail`; `None` if only the field knows it.
     base: Option<Place>,
     tail: ArrayString<MAX_TAIL>,
 }
@@ -86,7 +86,7 @@ impl Sentence {
         self.base.unwrap_or(reported).after(&self.tail) == Place::Start
     }
 
-    /// Appends text that the field takes at the place that it reports.
+    /// Appends text that is sent to the field; `reported` is the place as the field reports it.
     pub(super) fn push(&mut self, text: &Text, reported: Place) {
         let base = self.base.unwrap_or(reported);
         if base == Place::Unknown {

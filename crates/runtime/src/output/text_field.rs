@@ -9,7 +9,7 @@ use super::sentence::SharedPlace;
 /// The text field of a program that has the focus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TextField {
-    /// Another number for each field, and after the text of a field has changed by other means.
+    /// A number that changes with each field that gets the focus, and when the text of a field was changed by other means.
     pub generation: u32,
     /// The text that it takes.
     pub kind: FieldKind,
@@ -39,7 +39,7 @@ pub(super) type Text = arrayvec::ArrayString<MAX_TEXT>;
 #[cfg(all(target_os = "linux", feature = "ime"))]
 #[derive(Debug, Default)]
 pub(super) struct FocusedField {
-    /// The generation of the field in the upper half, its kind in the lower one.
+    /// The generation of the field in the upper 32 bits, its kind in the lower ones.
     both: AtomicU64,
     /// The place of the cursor in its text.
     pub place: SharedPlace,

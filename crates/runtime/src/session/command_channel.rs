@@ -19,7 +19,7 @@ use ademan_core::command::{Command, CommandOrigin};
 /// waits.
 const CLIENT_COMMANDS: usize = 16;
 
-/// Commands that wait for a busy loop: those of clients, and 8 of panic keys and signals, which clients cannot crowd out.
+/// Commands that wait for a busy loop: commands of clients, and 8 of panic keys and signals, whose room clients cannot take.
 const QUEUE_LENGTH: usize = CLIENT_COMMANDS + 8;
 
 /// Time that [`CommandSender::request`] waits for a reply.
