@@ -47,7 +47,7 @@ struct StepContext<'a> {
 }
 
 impl BendTracker {
-    /// Processes the bends at the next pose and appends the changes to `touches`: at most 4 for each finger, in order of time
+    /// Processes the bends at the next pose and appends the changes to `touches`: at most 3 for each finger, in order of time
     /// for each finger. Does not allocate.
     pub fn update(
         &mut self,
@@ -75,7 +75,7 @@ impl BendTracker {
         }
     }
 
-    /// Cancels every touch at `time`, appends that to `touches`, and forgets the last bends.
+    /// Cancels every touch at `time`, appends the cancellations to `touches`, and forgets the last bends.
     pub fn reset(&mut self, time: Timestamp, touches: &mut Touches) {
         let mut step = StepContext {
             side: self.side.unwrap_or(Side::Right),
@@ -113,7 +113,7 @@ impl FingerState {
         step: &mut StepContext,
     ) {
         let before = std::mem::replace(&mut self.bend, bend);
-        // The moment at which the finger passed a bend.
+        // The fraction of the step at which the finger passed a bend.
         let at = |level: f32| ((level - before) / (bend - before)).clamp(0.0, 1.0);
         match self.contact {
             Contact::Unknown | Contact::Straight if bend <= target.release_at => {
@@ -161,8 +161,8 @@ impl StepContext<'_> {
     }
 }
 
-/// Returns the fingers of a hand that press a target by bending, or would press it again only after they were straight, and
-/// whether a finger is seen at all.
+/// Returns the fingers of a hand that are bent beyond the release point of their target, and `true` if the bend of any finger is
+/// known.
 pub fn bent_fingers(scene: &Scene, pose: &HandPose, bends: &FingerBends) -> (FingerSet, bool) {
     let (mut bent, mut is_seen) = (FingerSet::NONE, false);
     for &finger in Finger::ALL {

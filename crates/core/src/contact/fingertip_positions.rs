@@ -41,9 +41,9 @@ impl Fingertips {
         };
     }
 
-    /// Becomes fingertips in the world, in the frame of a surface. Positions that are not finite there are unknown. Returns
-    /// whether the place of the surface is known.
-    fn place(&mut self, tips: &Self, surface: &Surface, pose: &HandPose) -> bool {
+    /// Sets all fingertips from `tips`, which are in the world, converted to the frame of a surface. Positions that are not finite
+    /// there are unknown. Returns `true` if the pose of the surface is known.
+    fn set_from_world(&mut self, tips: &Self, surface: &Surface, pose: &HandPose) -> bool {
         self.known = FingerSet::NONE;
         let Some(world_from_surface) = surface.world_from_surface(pose) else {
             return false;
@@ -76,8 +76,8 @@ pub(crate) struct FingertipPositions {
     held: FingerSet,
 }
 
-/// The longest time between two poses for which a fingertip that is missing in the second one keeps its place: two readings of
-/// a camera with 30 pictures a second.
+/// The longest time between two poses for which a fingertip that is missing in the second one keeps its position: two readings of
+/// a camera with 30 pictures per second.
 const MAX_HOLD: Duration = Duration::from_millis(70);
 
 impl FingertipPositions {
@@ -90,8 +90,8 @@ impl FingertipPositions {
     /// Appends a pose with these fingertips in the world, `gap` after the previous one. After a jump the previous positions are
     /// unknown.
     ///
-    /// A fingertip that is missing in one pose keeps its place on the surface, so that trackers which lose a fingertip for one
-    /// picture neither end a touch nor miss a tap. In the next pose it is unknown.
+    /// A fingertip that is missing in one pose keeps its position on the surface, so that a tracker that loses a fingertip in one
+    /// picture neither ends a touch nor misses a tap. In the next pose the fingertip is unknown.
     pub(super) fn push(
         &mut self,
         tips: &Fingertips,
@@ -106,9 +106,9 @@ impl FingertipPositions {
         } else {
             self.current.known
         };
-        let is_placed = self.current.place(tips, surface, pose);
+        let is_placed = self.current.set_from_world(tips, surface, pose);
         let mut held = FingerSet::NONE;
-        // The estimator holds a hand that is not seen for its own time.
+        // If the whole hand is not seen, the estimator decides for how long it is held.
         let is_hand_seen = pose.untrusted != FingerSet::ALL;
         let is_any_missing = self.previous.known != self.current.known;
         if is_any_missing && is_placed && is_hand_seen && gap <= MAX_HOLD {
@@ -117,7 +117,7 @@ impl FingertipPositions {
         self.held = held;
     }
 
-    /// Keeps the places of fingertips that are missing for the first time, and returns them.
+    /// Keeps the positions of fingertips that are missing for the first time, and returns these fingers.
     fn hold_missing(&mut self) -> FingerSet {
         let missing = self.previous.known.difference(self.current.known);
         let held = missing.difference(self.held);

@@ -7,36 +7,36 @@ use parry3d::math::Vec3;
 use crate::hand::{Finger, FingerSet, Joint, Side};
 use crate::kinematics::HandPose;
 
-/// The time constant of the memory, in seconds: a fast tap goes down within 50 to 100 ms.
+/// The time constant with which displacements fade, in seconds: a fast tap goes down within 50 to 100 ms.
 const MEMORY: f32 = 0.08;
 
-/// The least way of a finger, in metres, that counts as pressing: above the noise of a camera.
-const LEAST_WAY: f32 = 0.004;
+/// The smallest displacement of a fingertip, in metres, that counts as pressing: above the noise of a camera.
+const MIN_DISPLACEMENT: f32 = 0.004;
 
-/// The part of the way of another finger below which a finger follows it. Neighbors follow a pressing finger by up to 0.45
-/// of its bend (Zatsiorsky, Li & Latash 1998).
-const FOLLOWS: f32 = 0.5;
+/// The fraction of the displacement of another finger below which a finger follows it. Neighbors follow a pressing finger by up to
+/// 0.45 of its bend (Zatsiorsky, Li & Latash 1998).
+const MAX_FOLLOWING_FRACTION: f32 = 0.5;
 
-/// The shortest time for which the largest ways are kept. Neighbors follow 10 to 25 ms later, and are slow to turn.
+/// The shortest time for which the largest displacements are kept. Neighbors follow 10 to 25 ms later, and are slow to turn.
 const LAG: Duration = Duration::from_millis(40);
 
-/// The ways of the fingertips of one hand out of the plane of its palm, with a memory that fades. Movements of the whole hand do
-/// not count.
+/// The recent displacements of the fingertips of one hand out of the plane of its palm, which fade. Movements of the whole hand do not
+/// count.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Flexion {
     known: FingerSet,
     /// The heights of the fingertips below the palm, from their knuckles, in the last pose, in metres.
     heights: [f32; Finger::COUNT],
-    /// The sums of their changes, positive for a bend.
-    ways: [f32; Finger::COUNT],
-    /// The largest sums in the present lag and in the lag before it: a finger that follows is late.
+    /// The sums of the changes of the heights, in metres, which fade; positive for a bend.
+    displacements: [f32; Finger::COUNT],
+    /// The largest displacements in the present lag and in the lag before it: a finger that follows is late.
     largest: [[f32; Finger::COUNT]; 2],
-    /// The time since the newer ones of `largest` began.
+    /// The time since the start of the present lag.
     since: Duration,
 }
 
 impl Flexion {
-    /// Appends a pose, `gap` after the last one. A finger that is not known in two poses in a row has no way.
+    /// Appends a pose, `gap` after the last one. A finger that is not known in two consecutive poses has the displacement 0.
     pub fn push(&mut self, pose: &HandPose, gap: Duration) {
         let kept = (-gap.as_secs_f32() / MEMORY).exp();
         let palmar = palmar(pose);
@@ -47,11 +47,11 @@ impl Flexion {
             let height = height.map(|((tip, knuckle), direction)| (tip - knuckle).dot(direction));
             let Some(now) = height.filter(|height| height.is_finite()) else {
                 self.known = self.known.without(finger);
-                self.ways[index] = 0.0;
+                self.displacements[index] = 0.0;
                 continue;
             };
-            self.ways[index] = if self.known.contains(finger) && !pose.jumped {
-                self.ways[index] * kept + (now - self.heights[index])
+            self.displacements[index] = if self.known.contains(finger) && !pose.jumped {
+                self.displacements[index] * kept + (now - self.heights[index])
             } else {
                 0.0
             };
@@ -64,43 +64,50 @@ impl Flexion {
         self.remember(gap);
     }
 
-    /// Keeps the largest ways of one to two lags. A finger that is not known has none.
+    /// Updates the largest displacements of the last one to two lags. A finger that is not known has 0.
     fn remember(&mut self, gap: Duration) {
         self.since += gap;
         if self.since >= LAG {
             let is_old = self.since >= 2 * LAG;
-            self.largest[1] = if is_old { self.ways } else { self.largest[0] };
-            self.largest[0] = self.ways;
+            self.largest[1] = if is_old {
+                self.displacements
+            } else {
+                self.largest[0]
+            };
+            self.largest[0] = self.displacements;
             self.since = Duration::ZERO;
         }
         for &finger in Finger::ALL {
             let index = finger.index();
             let [newer, older] = &mut self.largest;
-            newer[index] = newer[index].max(self.ways[index]);
+            newer[index] = newer[index].max(self.displacements[index]);
             if !self.known.contains(finger) {
                 (newer[index], older[index]) = (0.0, 0.0);
             }
         }
     }
 
-    /// Returns `true` if a finger follows another one, which bends at least twice as far, or has done so if it touches a key.
+    /// Returns `true` if a finger follows another one that bends at least twice as far. If the other one is `touching`, the largest
+    /// recent bends of both count.
     pub fn follows(&self, finger: Finger, touching: FingerSet) -> bool {
         let own = finger.index();
-        let is_less = |[way, furthest]: [f32; 2]| furthest > LEAST_WAY && way < FOLLOWS * furthest;
+        let is_less = |[own_displacement, leading]: [f32; 2]| {
+            leading > MIN_DISPLACEMENT && own_displacement < MAX_FOLLOWING_FRACTION * leading
+        };
         let mut others = Finger::ALL.iter().filter(|other| **other != finger);
         self.known.contains(finger)
             && others.any(|&other| {
                 let index = other.index();
-                // Both may be on their way back.
+                // Both fingers may already move back.
                 is_less(if touching.contains(other) {
                     [self.largest(own), self.largest(index)]
                 } else {
-                    [self.ways[own], self.ways[index]]
+                    [self.displacements[own], self.displacements[index]]
                 })
             })
     }
 
-    /// Returns the largest way of the last one to two lags.
+    /// Returns the largest displacement of a finger in the last one to two lags, in metres.
     fn largest(&self, index: usize) -> f32 {
         let [newer, older] = &self.largest;
         newer[index].max(older[index])

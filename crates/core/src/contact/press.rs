@@ -98,13 +98,13 @@ fn neighbors(
         if distance > NEIGHBOR_DISTANCE {
             return;
         }
-        // On a tie the target with the lower id, so that the order of the search does not count.
+        // On a tie the target with the lower id precedes, so that the order of the search does not matter.
         let precedes = |other: &Neighbor| (other.distance, other.target.0) < (distance, id.0);
-        let place = nearest.iter().take_while(|other| precedes(other)).count();
-        if place < MAX_NEIGHBORS {
+        let rank = nearest.iter().take_while(|other| precedes(other)).count();
+        if rank < MAX_NEIGHBORS {
             nearest.truncate(MAX_NEIGHBORS - 1);
             nearest.insert(
-                place.min(nearest.len()),
+                rank.min(nearest.len()),
                 Neighbor {
                     target: id,
                     distance,

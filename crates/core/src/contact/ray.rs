@@ -1,4 +1,4 @@
-//! A ray from the eye through a point of a picture, and the front that a pointer means with it.
+//! A ray from the eye through a point of a picture, and the front that it selects.
 
 use parry3d::math::{Pose, Vec3};
 
@@ -6,7 +6,7 @@ use super::TargetId;
 use super::surface::Surface;
 use super::sweep::distance_from_outline;
 
-/// The smallest share of a ray, of length 1, that goes into a front. A flatter one would meet the plane far away.
+/// The smallest cosine of the angle between a ray and the direction into a front. A flatter ray would meet the plane far away.
 const MIN_FACING: f32 = 0.02;
 
 /// A ray in the world.

@@ -54,7 +54,7 @@ impl StepContext<'_> {
 }
 
 impl FingerState {
-    /// Returns the time since which a stroke waits for its turn.
+    /// Returns the time at which a stroke that still waits for its turn passed the press depth.
     pub(super) fn waits_since(&self) -> Option<Timestamp> {
         self.stroke.filter(|it| !it.is_spent)?.passed
     }
@@ -173,7 +173,7 @@ fn decide(
         return Decision::Press(location, place);
     }
     let now = step.target_at(stroke.location, target, at);
-    let end = step.target_at(stroke.location, target, stroke.end_of_way(at, target));
+    let end = step.target_at(stroke.location, target, stroke.extrapolated_end(at, target));
     let Some(((location, below, now), (end_location, _, end))) = now.zip(end) else {
         return Decision::Wait;
     };

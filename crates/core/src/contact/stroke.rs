@@ -1,7 +1,7 @@
 //! Taps as strokes: a fingertip that has gone through the front of a key, until it is known which key it means.
 //!
 //! A person means the lowest point of a stroke, not the point at which the fingertip passes the plane of the keys. A stroke presses
-//! at the press depth if the way so far leads to one key, clear of its edge; else, and always with a thumb, as soon as the fingertip
+//! at the press depth if the path so far leads to one key, clear of its edge; else, and always with a thumb, as soon as the fingertip
 //! turns. A finger that follows another one, and one that sinks slowly, presses nothing.
 
 use std::time::Duration;
@@ -17,32 +17,34 @@ use crate::time::Timestamp;
 /// 60 ms.
 const MAX_WAIT: Duration = Duration::from_millis(60);
 
-/// The slowest stroke, in metres per second at its fastest: a resting finger sinks by 1 to 10 mm a second.
-const SLOWEST: f32 = 0.02;
+/// The smallest peak speed of a stroke, in metres per second: a resting finger sinks by 1 to 10 mm per second.
+const MIN_PEAK_SPEED: f32 = 0.02;
 
-/// The part of the highest speed below which a stroke has come to its turn: within the last 2 % of a movement of minimum jerk.
-const AT_TURN: f32 = 0.2;
+/// The fraction of its peak speed below which a stroke turns: within the last 2 % of a minimum-jerk movement.
+const TURN_SPEED_FRACTION: f32 = 0.2;
 
-/// The rise from the deepest point, in metres, that is a turn.
-const RISE: f32 = 0.0005;
+/// The rise from the deepest point, in metres, beyond which a stroke has turned.
+const TURN_RISE: f32 = 0.0005;
 
-/// The way along the board, in metres, of a hand that passes by: half the pitch of a keyboard. A fingertip slips by up to 4 mm.
-const PASS: f32 = 0.0095;
+/// The longest slip of a stroke along the board, in metres: half the pitch of a keyboard. A fingertip slips by up to 4 mm; a hand that
+/// passes by moves further.
+const MAX_SLIP: f32 = 0.0095;
 
 /// The same distance for a thumb, which comes down in an arc toward the palm.
-const THUMB_PASS: f32 = 0.014;
+const THUMB_MAX_SLIP: f32 = 0.014;
 
-/// The speed along the board, in metres per second, below which a thumb has come to its turn: on its arc it goes down again.
-const THUMB_AT_TURN: f32 = 0.1;
+/// The speed along the board, in metres per second, below which a thumb turns: above it, the thumb may go down again on its arc.
+const THUMB_TURN_SPEED: f32 = 0.1;
 
 /// The speed along the board, in metres per second, of a hand that passes by; a slip has 0.2.
 const PASSING_SPEED: f32 = 0.8;
 
-/// The depth behind the travel, in metres, up to which the way of a stroke is extended: people press 4 to 10 mm deeper.
-const BEYOND_TRAVEL: f32 = 0.004;
+/// The overtravel, in metres behind the travel of a key, to which the path of a stroke is extrapolated: people press 4 to 10 mm deeper
+/// than the travel.
+const OVERTRAVEL: f32 = 0.004;
 
-/// The distance from the edge of its key that the end of the way needs, in metres.
-const CLEAR_OF_EDGE: f32 = 0.0015;
+/// The smallest distance of the end of the path from the edge of the key, in metres.
+const EDGE_CLEARANCE: f32 = 0.0015;
 
 /// A fingertip that has entered a front and has not pressed yet. Points are positions of its pad in the frame of the entered target, in
 /// metres.
@@ -114,29 +116,29 @@ impl Stroke {
 
     /// Returns `true` if it is fast enough for a tap.
     pub fn is_fast(&self) -> bool {
-        self.fastest >= SLOWEST
+        self.fastest >= MIN_PEAK_SPEED
     }
 
-    /// Returns `true` if the fingertip has turned, comes to rest, or has gone on for so long that its present point counts.
+    /// Returns `true` if the fingertip has turned, comes to rest, or has waited for [`MAX_WAIT`], so that its present point counts.
     pub fn has_turned(&self, finger: Finger, at: Vec3, now: Timestamp) -> bool {
         let is_late = self
             .passed
             .is_some_and(|passed| now.since(passed) >= MAX_WAIT);
-        let is_slow = self.speed < AT_TURN * self.fastest
-            && (finger != Finger::Thumb || self.along < THUMB_AT_TURN);
-        is_late || at.z > self.deepest.z + RISE || is_slow
+        let is_slow = self.speed < TURN_SPEED_FRACTION * self.fastest
+            && (finger != Finger::Thumb || self.along < THUMB_TURN_SPEED);
+        is_late || at.z > self.deepest.z + TURN_RISE || is_slow
     }
 
     /// Returns `true` if the fingertip has passed below the plane of the keys on its way along the board, instead of going down.
     pub fn is_pass(&self, finger: Finger) -> bool {
         let [inward, along] = self.deepening;
-        let way = (self.deepest - self.entry).truncate().length();
+        let slip = (self.deepest - self.entry).truncate().length();
         let longest = if finger == Finger::Thumb {
-            THUMB_PASS
+            THUMB_MAX_SLIP
         } else {
-            PASS
+            MAX_SLIP
         };
-        way > longest || along > PASSING_SPEED.max(inward)
+        slip > longest || along > PASSING_SPEED.max(inward)
     }
 
     /// Returns the lowest point of a parabola through the deepest pad and its neighbors in time.
@@ -155,12 +157,12 @@ impl Stroke {
         deepest + slope * t + bend * (t * t)
     }
 
-    /// Returns the point at which the way so far ends, at the usual depth of taps on a target.
-    pub fn end_of_way(&self, at: Vec3, target: &Target) -> Vec3 {
-        let way = at - self.above;
-        let left = (at.z + target.travel + BEYOND_TRAVEL).max(0.0);
-        if way.z < -f32::EPSILON {
-            at + way * (left / -way.z)
+    /// Returns the point at which the straight path so far reaches the usual depth of taps on a target.
+    pub fn extrapolated_end(&self, at: Vec3, target: &Target) -> Vec3 {
+        let path = at - self.above;
+        let left = (at.z + target.travel + OVERTRAVEL).max(0.0);
+        if path.z < -f32::EPSILON {
+            at + path * (left / -path.z)
         } else {
             at
         }
@@ -170,5 +172,5 @@ impl Stroke {
 /// Returns `true` if a point on the front of a target is clear of the edge of its part of the board.
 pub(super) fn is_clear_of_edge(target: &Target, point: Vec2) -> bool {
     let (center, half) = target.entrance();
-    (point - center).abs().cmplt(half - CLEAR_OF_EDGE).all()
+    (point - center).abs().cmplt(half - EDGE_CLEARANCE).all()
 }

@@ -290,8 +290,8 @@ impl Scene {
         }
     }
 
-    /// Takes the surface with this index off its anchor and fixes it in the world; does nothing if there is none. The advice about
-    /// [moved surfaces](Self::set_surface_pose) applies.
+    /// Detaches the surface with this index from its anchor and fixes it in the world; does nothing if there is none. Contact trackers
+    /// see it as [moved](Self::set_surface_pose).
     pub fn place_in_world(&mut self, index: usize, world_from_surface: Pose) {
         if let Some(surface) = self.surfaces.get_mut(index) {
             surface.anchor = Anchor::World;

@@ -149,7 +149,7 @@ impl ContactTracker {
         touching.fold(FingerSet::NONE, |set, (_, &finger)| set.with(finger))
     }
 
-    /// Begins a step: returns the fingers, to be moved to their present positions, and what they share.
+    /// Begins a step. Returns the states of the fingers, to be updated, and the data that the fingers share.
     fn begin_step<'a>(
         &'a mut self,
         scene: &'a Scene,
@@ -178,7 +178,7 @@ impl ContactTracker {
         (&mut self.fingers, step)
     }
 
-    /// Cancels every touch at `time`, appends that to `touches`, and forgets the last pose.
+    /// Cancels every touch at `time`, appends the cancellations to `touches`, and forgets the last pose.
     pub fn reset(&mut self, time: Timestamp, touches: &mut Touches) {
         for (state, &finger) in self.fingers.iter_mut().zip(Finger::ALL) {
             if let Some(contact) = state.contact {
@@ -410,7 +410,7 @@ impl FingerState {
         self.follow_over(target, &sweep, contact, (finger, since), step)
     }
 
-    /// Does the same as [`follow`](Self::follow), with the sweep of the finger over the target.
+    /// Follows a contact as [`follow`](Self::follow) does, with the sweep of the finger over the target.
     fn follow_over(
         &mut self,
         target: &Target,

@@ -5,7 +5,7 @@ use std::fmt;
 
 use super::{Axis, EventKind, KeyCode, KeyKind};
 
-/// A set of capabilities: those that a layout needs, or those that an output offers.
+/// A set of capabilities that a layout needs, or that an output offers.
 ///
 /// A layout is refused by an output that lacks one of its capabilities. Events without a capability
 /// ([`Depth`](EventKind::Depth), [`Value`](EventKind::Value), [`Velocity`](EventKind::Velocity), [`Select`](EventKind::Select) and
@@ -14,13 +14,13 @@ use super::{Axis, EventKind, KeyCode, KeyKind};
 pub struct Capabilities {
     /// Keys and buttons, including modifiers.
     pub keys: BTreeSet<KeyCode>,
-    /// True if it contains [`EventKind::Character`].
+    /// `true` if it contains [`EventKind::Character`].
     pub text: bool,
-    /// True if it contains [`EventKind::MoveBy`].
+    /// `true` if it contains [`EventKind::MoveBy`].
     pub relative_motion: bool,
-    /// True if it contains [`EventKind::MoveTo`].
+    /// `true` if it contains [`EventKind::MoveTo`].
     pub absolute_motion: bool,
-    /// True if it contains [`EventKind::Scroll`].
+    /// `true` if it contains [`EventKind::Scroll`].
     pub scroll: bool,
     /// Gamepad and 6-DoF axes.
     pub axes: BTreeSet<Axis>,

@@ -252,7 +252,7 @@ impl KeyCode {
     }
 
     /// Returns the keys that type `character` on a US keymap with Num Lock on, each with `true` if it needs
-    /// Shift: those without Shift first, each in order of code.
+    /// Shift: keys without Shift first, then keys with Shift, both in order of code.
     pub fn for_us_character(character: char) -> impl Iterator<Item = (Self, bool)> {
         [false, true].into_iter().flat_map(move |shifted| {
             Self::all()

@@ -170,7 +170,7 @@ impl ValueEmitter {
         self.axis == 0.0 && self.value == value
     }
 
-    /// Emits the value if it has changed; returns whether it was emitted.
+    /// Emits the value if it has changed. Returns `true` if it was emitted.
     fn emit_value(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) -> bool {
         let is_emitted =
             value != self.value && out.emit(time, EventKind::Value(self.target, value));

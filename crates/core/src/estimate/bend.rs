@@ -1,5 +1,5 @@
-//! The bend of each finger, as a fraction of its range: what a glove measures that knows neither the arm nor the place of the
-//! hand.
+//! The bend of each finger, as a fraction of its range. It needs neither the arm nor the position of the hand, which a simple glove
+//! does not measure.
 
 use super::{ChannelMap, JointLimits};
 use crate::hand::{Dof, Finger, JointAngles};

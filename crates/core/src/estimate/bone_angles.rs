@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use glam::{DQuat, DVec3};
 
-use super::hand_angles;
+use super::hand_angles::{hand_angles, sign};
 use crate::hand::{ArmBone, ArmRotations, Dof, Finger, Joint, JointAngles, JointPositions, Side};
 
 /// The angle by which the thumb points off the other fingers in the T pose, in radians.
@@ -139,14 +139,6 @@ impl<'a> Arm<'a> {
     fn bend_side(&self, forearm: DVec3) -> DVec3 {
         let hinge = DQuat::from_rotation_arc(outward(self.side), forearm);
         hinge * DVec3::NEG_Z
-    }
-}
-
-/// Returns 1 for a right arm, −1 for a left one.
-fn sign(side: Side) -> f64 {
-    match side {
-        Side::Right => 1.0,
-        Side::Left => -1.0,
     }
 }
 

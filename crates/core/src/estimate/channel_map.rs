@@ -200,7 +200,7 @@ impl ChannelMap {
         (range.0 < range.1).then_some(*range)
     }
 
-    /// Returns the line of a channel: the map from its counts to linear counts.
+    /// Returns the map from the counts of a channel to linear counts.
     pub fn linearity(&self, channel: usize) -> Linearity {
         let mut curvatures = self.curvatures.iter();
         let own = curvatures.find(|(other, _)| *other == channel);

@@ -5,19 +5,22 @@ use std::time::Duration;
 use super::Estimate;
 use crate::time::Timestamp;
 
+/// The smallest number of samples that both records have in common: 2 s.
+const MIN_SAMPLES: usize = 400;
+
 /// The interval at which both movements are sampled: finer than a camera, coarser than a fast glove.
 const GRID: Duration = Duration::from_millis(5);
 
-/// The largest delay that is looked for.
+/// The largest delay that is found, in either direction.
 const MAX_DELAY: Duration = Duration::from_millis(500);
 
 /// The lowest correlation of two records of one movement. Noise of independent sources correlates with less than 0.2.
 const MIN_CORRELATION: f64 = 0.5;
 
-/// The speed that is large against tremor, in rad/s: a record without it shows no movement.
+/// The smallest peak speed of a record with a movement, in rad/s: well above tremor.
 const MIN_SPEED: f64 = 0.5;
 
-/// The speed of a movement in the course of time: the sum of the speeds of all joints.
+/// The speed of a movement over time: the sum of the speeds of all joints.
 #[derive(Clone, Debug, Default)]
 pub struct Activity {
     last: Option<Estimate>,
@@ -122,7 +125,7 @@ pub fn estimate_delay(first: &Activity, second: &Activity) -> Result<Delay, Dela
     };
     let (start, end) = (a.0.max(b.0), a.1.min(b.1));
     let count = (end.since(start).as_secs_f64() / GRID.as_secs_f64()) as usize;
-    if count < 400 {
+    if count < MIN_SAMPLES {
         return Err(DelayError::TooShort);
     }
     for (activity, is_first) in [(first, true), (second, false)] {

@@ -171,8 +171,8 @@ impl Estimator {
         Ok(&self.estimate)
     }
 
-    /// Converts a reading to an estimate that is plausible after the one before, except for the angles that are unreliable. Returns what
-    /// of it was measured as positions.
+    /// Converts a reading to an estimate, without the angles that are unreliable, and rejects it if it is not plausible after the
+    /// previous one. Returns the measured position of the hand and the measured fingertips.
     fn judge(&mut self, reading: &Reading) -> Result<(Option<Anchor>, Tips), Rejection> {
         self.estimate.reset(reading.time);
         self.converter.convert(
@@ -208,8 +208,8 @@ impl Estimator {
         self.converter.channels()?.channel_of(dof)
     }
 
-    /// Adds an accepted reading to the learning of ranges. A hand that was not seen before it may have done anything. A change of a
-    /// range is not a reason to forget the excursions of other sensors.
+    /// Adds an accepted reading to the learning of ranges. If the hand was not seen before the reading, its movement is unknown, and
+    /// all excursions are forgotten. A jump after a change of ranges does not count as such.
     fn observe_ranges(&mut self, reading: &Reading, was_unseen: bool) {
         let (Sample::Channels(channels), Some(converter)) =
             (&reading.sample, self.converter.channels_mut())
@@ -240,7 +240,7 @@ impl Estimator {
         self.change_ranges(ChannelConverter::undo_learning);
     }
 
-    /// Discards what was observed of ranges and not learned yet.
+    /// Discards the excursions that were observed and have not widened a range yet.
     pub fn forget_excursions(&mut self) {
         if let Some(converter) = self.converter.channels_mut() {
             converter.forget_excursions();
@@ -273,7 +273,7 @@ impl Estimator {
     }
 
     /// Adopts the offsets of [`zero`](Self::zero) from the estimator that this one replaces. The next estimate jumps.
-    pub(super) fn succeed(&mut self, previous: &Self) {
+    pub(super) fn adopt_zero(&mut self, previous: &Self) {
         self.zero.adopt_offsets(&previous.zero);
         self.has_jumped = true;
     }

@@ -17,8 +17,8 @@ const ARM_JOINTS: [Joint; 3] = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
 /// provides the fingers, and the angles of the arm that the first does not measure. Measured positions of fingers move with
 /// the wrist. The sources are aligned in time by `MergedSource`.
 ///
-/// A part without a reading for longer than the timeout is lost: without the arm the hand is [nowhere](Estimate::is_placed),
-/// without the fingers all of them are untrusted. The other part stays.
+/// A part without a reading for longer than the timeout is lost: without the arm the [position](Estimate::is_placed) of the hand is
+/// unknown, without the fingers all fingers are untrusted. The other part stays.
 #[derive(Clone, Debug)]
 pub struct FusedEstimator {
     parts: [Part; HandPart::COUNT],
@@ -67,8 +67,8 @@ impl FusedEstimator {
         }
     }
 
-    /// Converts a reading of its [part](Reading::part); one without a part is of the fingers. A rejected reading, such as one
-    /// that is not later than the last of either part, changes nothing. Does not allocate.
+    /// Converts a reading of its [part](Reading::part), or of the fingers if it has none. A rejected reading, such as one that is not
+    /// later than the last reading of either part, changes nothing. Does not allocate.
     pub fn update(&mut self, reading: &Reading) -> Result<&Estimate, Rejection> {
         if self.last.is_some_and(|last| reading.time <= last) {
             return Err(Rejection::OutOfOrder);

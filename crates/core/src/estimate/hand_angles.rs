@@ -135,7 +135,7 @@ impl Palm {
 }
 
 /// Returns 1 for a right arm, −1 for a left one.
-fn sign(side: Side) -> f64 {
+pub(super) fn sign(side: Side) -> f64 {
     match side {
         Side::Right => 1.0,
         Side::Left => -1.0,

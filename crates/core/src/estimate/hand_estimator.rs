@@ -78,12 +78,12 @@ impl HandEstimator {
         self.fingers_mut().undo_learning();
     }
 
-    /// Discards what was observed of ranges and not learned yet.
+    /// Discards observed excursions: see [`Estimator::forget_excursions`].
     pub fn forget_excursions(&mut self) {
         self.fingers_mut().forget_excursions();
     }
 
-    /// Returns where a point of the body is by the source of the arm: see [`Estimator::body_point`].
+    /// Returns the position of a point of the body, which the source of the arm measures: see [`Estimator::body_point`].
     pub fn body_point(&self, point: BodyPoint) -> Option<Vec3> {
         match self {
             Self::Single(estimator) => estimator.body_point(point),
@@ -121,7 +121,7 @@ impl HandEstimator {
     /// calibration or filter. The offsets of [`zero`](Self::zero) stay, and the next estimate jumps. Does not allocate.
     pub fn exchange(&mut self, estimator: &mut Estimator) {
         let own = self.fingers_mut();
-        estimator.succeed(own);
+        estimator.adopt_zero(own);
         std::mem::swap(own, estimator);
     }
 
@@ -139,7 +139,7 @@ impl HandEstimator {
         }
     }
 
-    /// Forgets a part of the hand, or all of it. Returns what remains, or `None` if that is nothing.
+    /// Forgets a part of the hand, or all of it. Returns the estimate of the rest, or `None` if nothing remains.
     pub fn lose(&mut self, part: Option<HandPart>) -> Option<&Estimate> {
         match (self, part) {
             (Self::Fused(estimator), Some(part)) => estimator.lose(part),

@@ -61,7 +61,8 @@ impl HysteresisCompensation {
         }
     }
 
-    /// Forgets where the sensors are, but not on which side: the next angles differ from the last ones by more than a movement.
+    /// Forgets the angles of the sensors, but not the sides of their hysteresis: the next angles differ from the last ones by more than
+    /// a movement.
     pub(super) fn reset(&mut self) {
         self.joints.iter_mut().for_each(|joint| joint.sensor = None);
     }

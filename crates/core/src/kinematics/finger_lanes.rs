@@ -18,7 +18,7 @@ const FINGERS: [Finger; LANES] = [Finger::Index, Finger::Middle, Finger::Ring, F
 
 const LANES: usize = 4;
 
-/// The most links of a finger: 2 of the knuckle, a metacarpal and 2 phalanges beyond it.
+/// The most links of a finger: 2 of the knuckle, a metacarpal, 2 phalanges beyond the knuckle, and 1 for models that split a joint.
 const MAX_ROWS: usize = 6;
 
 /// Four fingers on one palm, prepared for forward kinematics.

@@ -157,7 +157,7 @@ impl Problem<'_> {
                 let (low, high) = self.variables[index].range;
                 !(low..=high).contains(&goal(index, values[index]))
             });
-            let Some(place) = limited else {
+            let Some(position) = limited else {
                 for &index in &free {
                     let old = values[index];
                     values[index] = goal(index, old);
@@ -165,7 +165,7 @@ impl Problem<'_> {
                 }
                 break;
             };
-            let index = free.remove(place);
+            let index = free.remove(position);
             let (low, high) = self.variables[index].range;
             let old = values[index];
             values[index] = goal(index, old).clamp(low, high);
@@ -175,8 +175,8 @@ impl Problem<'_> {
     }
 }
 
-/// Returns the weights of the columns in Δ = J⁺ · error + (1 − J⁺ J) · pull, with J⁺ = Jᵀ (J Jᵀ + λ²)⁻¹, in radians of each
-/// variable: Δ is the product of a column with them, and its pull.
+/// Returns the vector w = (J Jᵀ + λ²)⁻¹ · (error − J · pull) of the damped least squares. With it, the change of a variable in radians,
+/// Δ = J⁺ · error + (1 − J⁺ J) · pull with J⁺ = Jᵀ (J Jᵀ + λ²)⁻¹, is the dot product of its column with w, plus its pull.
 fn weights(jacobian: &Jacobian, pulls: &Values, free: &[usize], error: DVec3) -> DVec3 {
     let mut square = DMat3::from_diagonal(DVec3::splat(DAMPING * DAMPING));
     let mut pulled = DVec3::ZERO;
@@ -289,10 +289,10 @@ impl Chain {
             }
         }
         for (variable, driven) in variables.iter().enumerate() {
-            for (place, dof) in dofs.iter().enumerate().rev() {
+            for (link_index, dof) in dofs.iter().enumerate().rev() {
                 let mut mappings = driven.mappings.iter();
                 if let Some((_, map)) = mappings.find(|(own, _)| *dof == Some(*own)) {
-                    chain.turns.push((variable, place, map.gain));
+                    chain.turns.push((variable, link_index, map.gain));
                 }
             }
         }
@@ -313,9 +313,9 @@ impl Chain {
     /// Returns the displacement of the fingertip per radian of each variable's fastest angle.
     fn jacobian(&self, fingertip: Vec3, poses: &[Pose], scales: &Values) -> Jacobian {
         let mut columns: Jacobian = scales.iter().map(|_| DVec3::ZERO).collect();
-        for &(variable, place, gain) in &self.turns {
-            let pose = &poses[place];
-            let axis = pose.rotation * self.links[place].axis;
+        for &(variable, link_index, gain) in &self.turns {
+            let pose = &poses[link_index];
+            let axis = pose.rotation * self.links[link_index].axis;
             let lever = fingertip - pose.translation;
             columns[variable] += axis.cross(lever).as_dvec3() * gain;
         }

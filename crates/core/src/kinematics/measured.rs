@@ -16,8 +16,8 @@ const MIN_LENGTH: f32 = 1e-3;
 // Links are members of a 64-bit set.
 const _: () = assert!(MAX_LINKS <= 64);
 
-/// Moves the arm to its measured joints: each carries what lies beyond it to its measured position, and a bone between two
-/// measured joints turns the shortest way into their direction.
+/// Moves the arm to its measured joints: each joint takes the links beyond it along to its measured position, and a bone between two
+/// measured joints turns into their direction by the shortest rotation.
 ///
 /// `poses` are the results of forward kinematics, `world_from_link` in metres, in the order of `links`.
 pub(super) fn follow_measured_arm(links: &[Link], poses: &mut [Pose], measured: &MeasuredJoints) {
@@ -41,7 +41,7 @@ pub(super) fn follow_measured_arm(links: &[Link], poses: &mut [Pose], measured: 
     }
 }
 
-/// Turns a joint and what lies beyond it about the joint, then moves them; parameters as for [`follow_measured_arm`].
+/// Turns a joint and the links beyond it about the joint, then moves them; parameters as for [`follow_measured_arm`].
 pub(super) fn displace(links: &[Link], poses: &mut [Pose], displacement: &Displacement) {
     let (Some(link), Some(rotation)) =
         (link_at(links, displacement.joint), displacement.rotation())

@@ -11,7 +11,7 @@ use super::principal_axis::PrincipalAxis;
 use crate::estimate::JointAngles;
 use crate::hand::{Dof, Joint};
 
-/// The links of an arm that a joint or fingertip depends on, with what follows from them alone.
+/// The links of an arm that a joint or fingertip depends on, with everything that does not depend on the angles.
 ///
 /// The results are equal to the results of [`ArmModel::link_poses`](super::ArmModel::link_poses), in half the time.
 #[derive(Clone, Debug)]
@@ -112,7 +112,7 @@ impl PreparedArm {
     }
 }
 
-/// Returns, for each link, whether the pose of a joint or fingertip depends on it.
+/// Returns, for each link, `true` if the pose of a joint or fingertip depends on it.
 fn used_links(links: &[Link]) -> Vec<bool> {
     let mut is_used = vec![false; links.len()];
     for (index, link) in links.iter().enumerate().rev() {

@@ -148,7 +148,7 @@ impl Stick {
         self.pressed = [false; PART_COUNT];
     }
 
-    /// Emits the axes that have changed; returns whether both are at 0.
+    /// Emits the axes that have changed. Returns `true` if both are at 0.
     pub(super) fn emit_axes(
         &mut self,
         joystick: &Joystick,

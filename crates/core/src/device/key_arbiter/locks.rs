@@ -16,7 +16,7 @@ pub(super) struct Locks {
 }
 
 impl Locks {
-    /// Unlocks what `action` has locked; returns whether it was locked.
+    /// Unlocks what `action` has locked. Returns `true` if it was locked.
     pub(super) fn deactivate(&mut self, action: KeyAction) -> bool {
         match action {
             KeyAction::Modifier(code, Latch::Lock) => self.unlock(code),
@@ -30,7 +30,7 @@ impl Locks {
         }
     }
 
-    /// Unlocks a modifier; returns whether it was locked.
+    /// Unlocks a modifier. Returns `true` if it was locked.
     pub(super) fn unlock(&mut self, code: KeyCode) -> bool {
         let before = self.modifiers.len();
         self.modifiers.retain(|(locked, _)| *locked != code);

@@ -23,7 +23,7 @@ pub(super) struct OneShots {
 }
 
 impl OneShots {
-    /// Disarms what `action` has armed; returns whether it was armed.
+    /// Disarms what `action` has armed. Returns `true` if it was armed.
     pub(super) fn deactivate(&mut self, action: KeyAction) -> bool {
         match action {
             KeyAction::Modifier(code, Latch::OneShot) => {

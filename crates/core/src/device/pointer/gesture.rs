@@ -136,7 +136,7 @@ impl GestureDetector {
         matches!(self.0, State::Near(_))
     }
 
-    /// Blocks the gesture until it is seen off; returns whether it was on.
+    /// Blocks the gesture until it has been off. Returns `true` if it was on.
     pub(super) fn block(&mut self) -> bool {
         std::mem::take(&mut self.0) == State::On
     }

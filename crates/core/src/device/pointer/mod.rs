@@ -130,7 +130,7 @@ impl ScreenPointer {
         }
     }
 
-    /// Follows the hand for one step; returns whether it points anywhere.
+    /// Follows the hand for one step. Returns `true` if it points anywhere.
     fn follow(&mut self, hand: &TrustedHand, out: &mut DeviceOutput) -> bool {
         let time = hand.pose().time;
         let before = self.time.replace(time).unwrap_or(time);

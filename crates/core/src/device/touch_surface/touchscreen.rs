@@ -64,7 +64,7 @@ impl Touchscreen {
         }
     }
 
-    /// Moves the pointer to the finger; returns whether it is there.
+    /// Moves the pointer to the finger. Returns `false` if the list of events is full.
     fn move_pointer(&mut self, touch: &Touch, out: &mut DeviceOutput) -> bool {
         let offset = touch.position / (self.half_extents * 2.0);
         let position = Vec2::new(0.5 + offset.x, 0.5 - offset.y).clamp(Vec2::ZERO, Vec2::ONE);

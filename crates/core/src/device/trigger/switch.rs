@@ -59,7 +59,7 @@ impl Switch {
         self.state == State::Unknown
     }
 
-    /// Becomes unknown; returns whether it was known.
+    /// Sets the state to unknown. Returns `true` if it was known.
     pub(super) fn forget(&mut self, time: Timestamp) -> bool {
         if self.is_on() {
             self.was_on = Some(time);
