@@ -25,12 +25,12 @@ impl Linearity {
         self.bend
     }
 
-    /// Returns the linear count of a count: the same for a sensor without curvature.
+    /// Returns the linear count for a count of the sensor. Both are equal for a sensor without curvature.
     pub fn apply(&self, count: f64) -> f64 {
         count - self.bend * count * (self.full_scale - count)
     }
 
-    /// Returns the count of a linear count.
+    /// Returns the count of the sensor for a linear count.
     pub fn apply_inverse(&self, linear: f64) -> f64 {
         if self.bend == 0.0 {
             return linear;

@@ -1,46 +1,47 @@
-//! Angles and hands that cannot be trusted, because their readings are implausible again and again: a loose wire, or too much noise.
+//! Angles and hands that cannot be trusted, because too many of their readings are implausible: a loose wire, or too much noise.
 
 use super::{Estimate, Rejection};
 use crate::hand::{Dof, DofSet, FingerSet, JointAngles};
 use crate::time::Timestamp;
 
-/// The time over which shares of readings are taken, in seconds.
+/// The time constant of the fractions of readings, in seconds.
 const SPAN: f64 = 0.4;
 
-/// The largest weight of a reading in a share: a slow source is not distrusted for the three readings after which a jump is accepted.
+/// The largest weight of a reading in a fraction, so that the three readings after which a jump is accepted do not make a slow source
+/// untrusted.
 const MAX_WEIGHT: f64 = 0.08;
 
-/// The share of implausible readings above which an angle is unreliable, and below which it is reliable again. A glove with a noise
+/// The fraction of implausible readings above which an angle is unreliable, and below which it is reliable again. A glove with a noise
 /// of 3 counts of 255 has up to 0.12 at its steepest sensor, a loose wire 0.7.
 const ANGLE: Limits = Limits {
     high: 0.25,
     low: 0.15,
 };
 
-/// The share of rejected readings above which a hand is not trusted, and below which it is trusted again. A glove with a noise of 3
+/// The fraction of rejected readings above which a hand is not trusted, and below which it is trusted again. A glove with a noise of 3
 /// counts has 0.17.
 const HAND: Limits = Limits {
     high: 0.35,
     low: 0.2,
 };
 
-/// A share below which it no longer fades.
+/// The level at or below which a fraction counts as 0.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// The limits of a share, with hysteresis.
+/// The limits of a fraction, with hysteresis.
 struct Limits {
     high: f64,
     low: f64,
 }
 
-/// The share of readings that were implausible, 0..=1, of which later ones weigh more.
+/// The fraction of readings that were implausible, 0..=1, as an exponential moving average.
 #[derive(Clone, Copy, Debug, Default)]
-struct Share {
+struct ImplausibleFraction {
     level: f64,
     is_high: bool,
 }
 
-impl Share {
+impl ImplausibleFraction {
     fn update(&mut self, is_implausible: bool, weight: f64, limits: &Limits) {
         let target = if is_implausible { 1.0 } else { 0.0 };
         self.level += (target - self.level) * weight;
@@ -58,7 +59,7 @@ pub struct Implausible {
 }
 
 impl Implausible {
-    /// Returns `true` if the place of the hand is not trusted.
+    /// Returns `true` if the position of the hand is not trusted.
     pub fn concerns_hand(self) -> bool {
         self.is_hand || self.angles.iter().any(|dof| dof.finger().is_none())
     }
@@ -87,8 +88,8 @@ impl Implausible {
 pub(super) struct Plausibility {
     /// The time of the latest reading, accepted or not.
     time: Timestamp,
-    hand: Share,
-    angles: [Share; Dof::COUNT],
+    hand: ImplausibleFraction,
+    angles: [ImplausibleFraction; Dof::COUNT],
     /// The unreliable angles.
     unreliable: DofSet,
     /// The angles that are implausible in the present reading.
@@ -97,7 +98,7 @@ pub(super) struct Plausibility {
     removed: DofSet,
     /// The angles of the reading before, while some are unreliable.
     previous: JointAngles,
-    /// `true` if a share is not negligible.
+    /// `true` if a fraction is not negligible.
     is_active: bool,
     /// `true` if an angle or the hand is trusted again.
     has_recovered: bool,
@@ -112,14 +113,14 @@ impl Plausibility {
         }
     }
 
-    /// Notes that an angle of the present reading is outside the range of its joint. Returns `true` if it is unreliable, so that it is
-    /// no reason to reject the reading.
+    /// Records that an angle of the present reading is outside the range of its joint. Returns `true` if the angle is unreliable anyway, so
+    /// that the reading need not be rejected.
     pub fn note_outside(&mut self, dof: Dof) -> bool {
         self.blamed = self.blamed.with(dof);
         self.unreliable.contains(dof)
     }
 
-    /// Notes the angles that differ by more than `reach` radians from the last accepted ones.
+    /// Records the angles that differ by more than `reach` radians from the last accepted angles as implausible.
     pub fn note_jumps(&mut self, reach: f64, angles: &JointAngles, last: &JointAngles) {
         for (dof, radians) in angles.known() {
             if last.is_known(dof) && (radians - last.get(dof)).abs() > reach {
@@ -133,11 +134,11 @@ impl Plausibility {
         self.time
     }
 
-    /// Removes the unreliable angles, so that neither they nor what follows from them is used, and notes those that differ by more than
-    /// `reach` radians from the reading before.
+    /// Removes the unreliable angles from a reading. Unreliable angles that differ by more than `reach` radians from the previous reading
+    /// are recorded as implausible.
     pub fn remove_unreliable(&mut self, reach: f64, angles: &mut JointAngles) {
         let before = std::mem::replace(&mut self.removed, self.unreliable);
-        // An angle that is back may be anywhere.
+        // An angle that becomes reliable again may have changed by any amount.
         self.has_recovered |= !before.difference(self.removed).is_empty();
         if self.removed.is_empty() {
             return;
@@ -152,7 +153,7 @@ impl Plausibility {
         }
     }
 
-    /// Updates the shares with the outcome of a reading.
+    /// Updates the fractions with the outcome of a reading.
     pub fn update(&mut self, time: Timestamp, outcome: Result<(), Rejection>) {
         let elapsed = time.since(std::mem::replace(&mut self.time, time));
         let is_rejected = matches!(outcome, Err(Rejection::TooFast | Rejection::OutsideLimits));
@@ -166,10 +167,10 @@ impl Plausibility {
         self.is_active = self.hand.level > NEGLIGIBLE;
         let mut unreliable = DofSet::NONE;
         for &dof in Dof::ALL {
-            let share = &mut self.angles[dof.index()];
-            share.update(blamed.contains(dof), weight, &ANGLE);
-            self.is_active |= share.level > NEGLIGIBLE;
-            if share.is_high {
+            let fraction = &mut self.angles[dof.index()];
+            fraction.update(blamed.contains(dof), weight, &ANGLE);
+            self.is_active |= fraction.level > NEGLIGIBLE;
+            if fraction.is_high {
                 unreliable = unreliable.with(dof);
             }
         }
@@ -177,8 +178,8 @@ impl Plausibility {
         self.has_recovered |= was_high && !self.hand.is_high;
     }
 
-    /// Distrusts what depends on an angle that is unreliable or was removed: its finger, or the whole hand. Once it is trusted again, the
-    /// estimate jumps.
+    /// Makes the finger of each angle that is unreliable or was removed untrusted, or the whole hand for an angle of the arm. Once they are
+    /// trusted again, the estimate jumps.
     pub fn distrust(&mut self, estimate: &mut Estimate) {
         estimate.jumped |= std::mem::take(&mut self.has_recovered);
         let implausible = Implausible {

@@ -1,4 +1,4 @@
-//! Plausibility of measured fingertips: the way of each from one reading to the next.
+//! Plausibility of measured fingertips: the displacement of each from one reading to the next.
 
 use arrayvec::ArrayVec;
 use parry3d::math::Vec3;
@@ -6,9 +6,10 @@ use parry3d::math::Vec3;
 use super::{Estimate, MeasuredJoints};
 use crate::hand::{Finger, FingerSet, Joint};
 
-/// The distances of a fingertip from its knuckle and from the wrist, in metres: what turns the speed of a joint into the speed of
-/// a fingertip.
+/// The distance of a fingertip from its knuckle, in metres: the lever by which a rotation of a finger joint moves the fingertip.
 const FINGER_LENGTH: f64 = 0.09;
+
+/// The distance of a fingertip from the wrist, in metres: the lever by which a rotation of the wrist moves the fingertip.
 const HAND_LENGTH: f64 = 0.2;
 
 /// The fewest fingertips whose common movement counts as a movement of the hand.
@@ -104,7 +105,7 @@ fn median(moves: &Moves) -> Vec3 {
     Vec3::new(along(0), along(1), along(2))
 }
 
-/// The last plausible place of each fingertip, and the implausible places that may prove right.
+/// The last plausible position of each fingertip, and implausible positions that consecutive readings may confirm.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TipSpeed {
     last: Tips,
@@ -119,8 +120,9 @@ impl TipSpeed {
         *self = Self::default();
     }
 
-    /// Adds the fingertips of a reading and returns the fingers that moved faster than a person can. A fingertip is plausible
-    /// again where it was, or where `consistent` readings in a row agree that it is.
+    /// Adds the fingertips of a reading and returns the fingers that moved faster than a person can: further than while a joint turns by
+    /// `rotation` radians. A fingertip is plausible again near its last plausible position, or near a position on which `consistent`
+    /// consecutive readings agree.
     pub(super) fn update(&mut self, tips: &Tips, rotation: f64, consistent: u8) -> FingerSet {
         let beyond = self.last.out_of_reach(tips, rotation);
         let beyond_candidate = self.candidates.out_of_reach(tips, rotation);
@@ -138,7 +140,7 @@ impl TipSpeed {
             if *agreeing == 0 || *agreeing >= consistent {
                 *agreeing = 0;
                 self.last.set(finger, tip);
-                // A candidate from where the hand has been would count as its movement.
+                // A candidate from an earlier position of the hand would look like a movement of the finger.
                 self.candidates.remove(FingerSet::NONE.with(finger));
             } else {
                 self.candidates.set(finger, tip);

@@ -58,11 +58,11 @@ pub struct Zeroed {
     pub radians: f64,
 }
 
-/// The offsets of one hand, and the rest that they are derived from.
+/// The offsets of one hand, and the detection of a resting hand, from whose angles they are derived.
 #[derive(Clone, Debug)]
 pub(super) struct Zero {
     rest_pose: JointAngles,
-    /// Added to the measured angles; known for those that were zeroed.
+    /// The offsets that are added to the measured angles, in radians; known for angles that were zeroed.
     offsets: JointAngles,
     rest: Rest,
 }
@@ -89,12 +89,12 @@ impl Zero {
         }
     }
 
-    /// Adopts the offsets of another glove file or filter for the same hand.
+    /// Adopts the offsets of the same hand from another estimator.
     pub(super) fn adopt_offsets(&mut self, other: &Self) {
         self.offsets = other.offsets;
     }
 
-    /// Returns the offsets of the measured angles, in radians; 0 for those without one.
+    /// Returns the offsets of the measured angles, in radians; 0 for an angle that was not zeroed.
     pub(super) fn offsets(&self) -> &JointAngles {
         &self.offsets
     }

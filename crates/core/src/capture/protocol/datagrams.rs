@@ -10,7 +10,7 @@ pub trait DatagramParser: Send {
 
     /// Parses a datagram and passes its packets to `emit`; a valid datagram may have none.
     ///
-    /// `Ok` may hold the error of a part that was left out.
+    /// Returns the error of a part that was left out in `Ok`.
     fn parse(
         &mut self,
         datagram: &[u8],

@@ -1,4 +1,4 @@
-//! Encoders: what a device or a program sends by a protocol.
+//! Encoders, which write readings as the packets of a protocol.
 
 use std::time::Duration;
 
@@ -21,7 +21,7 @@ pub struct EncoderPlan<'a> {
     pub count_packets: &'a dyn Fn() -> u64,
 }
 
-/// Checks that options have their defaults. The error names the first one that has not.
+/// Checks that options have their defaults. The error names the first option that differs.
 pub(super) fn require_defaults(
     options: &ProtocolOptions,
     required: &[&ProtocolOption],

@@ -18,7 +18,7 @@ named_enum! {
         NotFinite = "not-finite",
         /// The packet repeats the time of an earlier packet, or was overtaken by it.
         OutOfOrder = "out-of-order",
-        /// The packet was under way for so long that the hand is no longer there.
+        /// The packet was delayed for so long that it no longer shows the hand as it is.
         TooOld = "too-old",
         /// The packet comes from another sender than the packets before it.
         UnknownSender = "unknown-sender",
@@ -27,7 +27,7 @@ named_enum! {
     }
 }
 
-/// Numbers of invalid packets by reason. Serialised as a map of those that are not 0.
+/// Numbers of invalid packets by reason. Serialised as a map of the numbers that are not 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InvalidPackets([u64; InvalidPacket::COUNT]);
 

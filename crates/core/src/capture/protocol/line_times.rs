@@ -6,10 +6,10 @@ use crate::time::Timestamp;
 /// Latest time in a line, in microseconds: 285 years, which JSON numbers hold exactly.
 const MAX_TIME_US: u64 = 1 << 53;
 
-/// Times that are earlier by up to this many microseconds are of datagrams that overtook each other.
+/// Largest delay of a datagram that another one has overtaken, in microseconds.
 const MAX_DISORDER_US: u64 = 100_000;
 
-/// Microseconds by which a line that was under way too long is earlier, at most. Earlier lines come from a sender that has
+/// Largest delay of a line that a network has held back, in microseconds. A line that is still earlier comes from a sender that has
 /// started again.
 const MAX_DELAY_US: u64 = 1_000_000;
 
@@ -20,7 +20,8 @@ pub(super) struct LineTimes {
 }
 
 impl LineTimes {
-    /// Accepts the time of a line, if it states one, that is later than all before it, or of a sender that has started again.
+    /// Accepts the time of a line, if the line states one. The time must be later than the times of all earlier lines, or so much earlier
+    /// that the sender has started again.
     pub fn check(&mut self, time_us: Option<u64>) -> Result<Option<Timestamp>, PacketError> {
         let Some(time) = time_us else {
             return Ok(None);

@@ -7,7 +7,7 @@ use crate::document::BYTE_ORDER_MARK;
 
 /// Parser of a line without its line end. The ends of the packets are filled in later.
 pub trait LineParser: Send {
-    /// Longest line in bytes, line end excluded. The rest of a longer one is skipped.
+    /// Longest line in bytes, line end excluded. A longer line is skipped.
     const MAX_LINE_BYTES: usize;
 
     /// Parses a line and passes its packets to `emit`: one or more, or none if the line is invalid.
@@ -16,13 +16,13 @@ pub trait LineParser: Send {
     /// Forgets earlier lines, after a stream broke off.
     fn reset(&mut self) {}
 
-    /// Returns the feedback that the sender of the latest packet reads, if its packets tell.
+    /// Returns the form of feedback that the sender of the latest packet reads, if its packets show it.
     fn feedback(&self) -> Option<&'static FeedbackFormat> {
         None
     }
 }
 
-/// Decoder of lines, which end with LF or CR LF. A blank line has no meaning; an invalid one is skipped. In a datagram the last
+/// Decoder of lines, which end with LF or CR LF. Blank lines are ignored, and invalid lines are skipped. In a datagram the last
 /// line end may be missing.
 #[derive(Clone, Debug)]
 pub struct LineDecoder<P> {
@@ -142,7 +142,7 @@ impl<P: LineParser> Decoder for LineDecoder<P> {
         self.is_searching = false;
     }
 
-    /// Skips a line without its end: a number that was cut is another number.
+    /// Skips a line without its end: a number that was cut off has another value.
     fn finish_cut(&mut self, _: &mut dyn FnMut(Packet)) {
         let bytes = self.stats.bytes - self.line_start;
         if bytes == 0 {

@@ -84,7 +84,7 @@ pub struct Protocol {
     pub nominal_rate_hz: fn(&ProtocolOptions) -> Option<f64>,
     /// Creates a decoder at the start of a stream.
     pub decoder: fn(&ProtocolOptions) -> Box<dyn Decoder>,
-    /// Creates an encoder, by which simulated people speak the protocol. An error states the option that it does not support.
+    /// Creates an encoder, with which simulated people send the protocol. An error states the option that it does not support.
     pub encoder: fn(&ProtocolOptions, &EncoderPlan) -> Result<Encoder, String>,
 }
 
@@ -111,7 +111,7 @@ pub enum Carriers {
 }
 
 impl Protocol {
-    /// Returns what speaks the protocol: the start of its summary.
+    /// Returns the name of the device or program that uses the protocol: the start of its summary.
     pub fn title(&self) -> &'static str {
         let end = self.summary.find([',', ':']);
         &self.summary[..end.unwrap_or(self.summary.len())]
@@ -355,7 +355,8 @@ pub trait Decoder: Send {
         None
     }
 
-    /// Returns the feedback that the sender of the latest packet reads, if its packets tell. The default is the protocol's.
+    /// Returns the form of feedback that the sender of the latest packet reads, if its packets show it. `None`, the default, stands for
+    /// the form of the protocol.
     fn feedback(&self) -> Option<&'static FeedbackFormat> {
         None
     }

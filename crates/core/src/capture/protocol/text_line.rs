@@ -45,7 +45,8 @@ pub const PROTOCOL: Protocol = Protocol {
     },
 };
 
-const RATE: ProtocolOption = ProtocolOption {
+/// The lines per second of a file.
+pub(super) const RATE: ProtocolOption = ProtocolOption {
     name: "rate_hz",
     default: "100",
     summary: "lines per second of a file, 0.1 to 10000",

@@ -1,8 +1,8 @@
 //! Pauses of a sender after its packets.
 
-/// Packets in a row with a pause after each and none within, before a pause confirms a packet. Adapters that deliver bytes in
-/// blocks cause pauses anywhere, and one of them at the end of a packet now and then.
-const REQUIRED: u8 = 8;
+/// Number of consecutive packets with a pause after each and none within, before a pause confirms a packet. Adapters that deliver bytes
+/// in blocks cause pauses anywhere, occasionally at the end of a packet.
+const MIN_PACKETS: u8 = 8;
 
 /// Detector of a sender that pauses after every packet and never within one.
 ///
@@ -10,8 +10,8 @@ const REQUIRED: u8 = 8;
 /// gained a byte has another length.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PacketPauses {
-    /// Pauses after packets since the last one within a packet, at most [`REQUIRED`].
-    in_a_row: u8,
+    /// Pauses after packets since the last pause within a packet, at most [`MIN_PACKETS`].
+    consecutive: u8,
     /// `true` if no byte has followed the latest pause.
     is_paused: bool,
 }
@@ -33,11 +33,11 @@ impl PacketPauses {
             return false;
         }
         if !is_after_packet {
-            self.in_a_row = 0;
+            self.consecutive = 0;
             return false;
         }
-        let is_confirmed = self.in_a_row == REQUIRED;
-        self.in_a_row = REQUIRED.min(self.in_a_row + 1);
+        let is_confirmed = self.consecutive == MIN_PACKETS;
+        self.consecutive = MIN_PACKETS.min(self.consecutive + 1);
         is_confirmed
     }
 }

@@ -17,7 +17,7 @@ use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 use super::line_times::LineTimes;
 use super::lines::{LineDecoder, LineParser};
-use super::text_line::split_time;
+use super::text_line::{RATE, split_time};
 use super::{
     Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
     ProtocolOptions, space,
@@ -75,18 +75,6 @@ const BEARING: ProtocolOption = ProtocolOption {
         Ok(bearing) if (-180.0..=180.0).contains(&bearing) => Ok(()),
         _ => Err(format!(
             "`{value}` is not a bearing from -180 to 180 degrees"
-        )),
-    },
-};
-
-const RATE: ProtocolOption = ProtocolOption {
-    name: "rate_hz",
-    default: "100",
-    summary: "lines per second of a file, 0.1 to 10000",
-    check: |value| match value.parse::<f64>() {
-        Ok(rate) if (0.1..=10_000.0).contains(&rate) => Ok(()),
-        _ => Err(format!(
-            "`{value}` is not a rate from 0.1 to 10000 lines per second"
         )),
     },
 };
