@@ -42,7 +42,7 @@ pub struct PartialSource {
 /// Each source runs on its own thread. Live readings are merged in the order of the movements that they show: the clock of
 /// each source is shifted to the clock of arrival, and the readings of a source with a short delay are held back until the
 /// source with the longest delay shows the same moment. Other readings, such as readings of recordings, are merged in order
-/// of their own times; beside a live source they come at their own pace. The loss of a source costs its part only, see
+/// of their own times; beside a live source they are returned at their own pace. The loss of a source is the loss of its part only; see
 /// [`CaptureError::PartLost`]. The stream ends when all sources have ended.
 pub struct MergedSource {
     name: String,
@@ -54,7 +54,7 @@ pub struct MergedSource {
     /// Time of the latest reading. Times never decrease, and the times of each part increase.
     time: Timestamp,
     cancel: Option<CancelToken>,
-    /// Time at which a call returns without a reading, so that packets that were refused since the last one are reported.
+    /// Time at which a call returns although no reading is due, so that packets that were refused since the last reading are reported.
     report_at: Option<Instant>,
 }
 
@@ -128,7 +128,7 @@ impl MergedInput {
                 self.hold_back(reading, received_at, start);
             }
             Some(CaptureEvent::Noise(stats)) => self.stats = stats,
-            // Only a recording has commands, and a recording has both hands already. Readings come one by one.
+            // Only a recording has commands, and a recording is not merged, as it has both hands. `spawn` sends readings one by one.
             Some(
                 CaptureEvent::Elapsed(_) | CaptureEvent::Command(_) | CaptureEvent::Readings { .. },
             ) => {}
@@ -185,7 +185,7 @@ impl MergedInput {
     fn stop(&mut self) {
         self.thread.stop();
         while let Ok(event) = self.events.try_recv() {
-            // A loss changes nothing any more.
+            // After the end, a loss has no effect.
             let _ = self.handle(Some(event), None);
         }
         self.drop_held();

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// Difference of the clocks that is not a suspend: they are read one after the other. No suspend is as short.
+/// Largest difference between the clocks without a suspend: they are read one after the other. Every suspend takes longer.
 const TOLERANCE: Duration = Duration::from_millis(100);
 
 /// Detector of system suspends.

@@ -1,4 +1,4 @@
-//! UDP receiver: each datagram holds whole packets, and all come from one sender.
+//! UDP receiver: each datagram holds whole packets, and only datagrams of one sender are read at a time.
 
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
@@ -91,15 +91,15 @@ impl Connector for UdpConnector {
 
 fn bind(address: &str) -> Result<UdpSocket> {
     let own = own_address(address.to_socket_addrs()?);
-    // Another address than the one that is sent to would receive nothing.
+    // The socket must have the address to which programs send; at any other address it would receive nothing.
     let socket = UdpSocket::bind(own.as_slice())?;
     socket.set_read_timeout(Some(READ_TIMEOUT))?;
     Ok(socket)
 }
 
-/// Returns the address to which no other machine can send, if there is one: the list of host names may give `localhost` any address.
+/// Returns a loopback address, to which no other machine can send, if there is one: the hosts file may give `localhost` any address.
 ///
-/// An address of IPv4 comes first. Most systems name `::1` first, and most programs that send to `localhost` use 127.0.0.1.
+/// Prefers IPv4: most systems list `::1` first, but most programs that send to `localhost` use 127.0.0.1.
 fn own_address(resolved: impl Iterator<Item = SocketAddr>) -> Option<SocketAddr> {
     let own = resolved.map(canonical).filter(|it| it.ip().is_loopback());
     own.min_by_key(SocketAddr::is_ipv6)

@@ -9,7 +9,7 @@ use rustix::io::{read, write};
 
 use crate::capture::poll::{Readiness, timespec};
 
-/// Descriptor that one thread waits on together with a stream, and that any thread can make ready. Clones are of the same
+/// Descriptor that one thread waits on together with a stream, and that any thread can make ready. Clones share one
 /// descriptor.
 #[derive(Clone, Debug)]
 pub struct WakeUp(Arc<OwnedFd>);
@@ -23,7 +23,7 @@ impl WakeUp {
 
     /// Makes the descriptor ready. Never blocks.
     pub fn wake(&self) {
-        // A counter that is full is ready already.
+        // The write fails only if the counter is full; then the descriptor is ready already.
         let _ = write(&self.0, &1_u64.to_ne_bytes());
     }
 

@@ -22,14 +22,14 @@ pub(super) struct Capture {
     reason = "a session has one, which is not moved"
 )]
 enum CaptureForm {
-    /// The loop polls and reads the source, which saves a reading the way from one thread to another.
+    /// The loop polls and reads the source, so that no reading has to pass from one thread to another.
     InPlace(InPlaceCapture),
-    /// The source has to block, as recordings, merged sources and those without a descriptor do.
+    /// The source has to block: a recording, merged sources, or a source without a file descriptor.
     Thread(CaptureThread),
 }
 
 impl Capture {
-    /// Starts to capture. The calling thread becomes the one that [waits](Self::wait).
+    /// Starts to capture. Only the calling thread may [wait](Self::wait).
     pub fn start(source: impl Source + 'static) -> Result<Self, CaptureError> {
         let (packet_period, is_live) = (source.packet_period(), source.is_live());
         let form = match InPlaceCapture::new(Box::new(source)) {
@@ -53,7 +53,7 @@ impl Capture {
         self.is_live
     }
 
-    /// Removes the oldest event that has arrived. `Disconnected` after the last one of a thread.
+    /// Removes the oldest event that has arrived. Returns `Disconnected` after the last event of a source on a thread.
     pub fn try_next(&mut self) -> Result<CaptureEvent, TryRecvError> {
         match &mut self.form {
             CaptureForm::InPlace(capture) => capture.next_event().ok_or(TryRecvError::Empty),
@@ -69,7 +69,7 @@ impl Capture {
         }
     }
 
-    /// Returns what ends a [`wait`](Self::wait).
+    /// Returns the target that ends a [`wait`](Self::wait).
     pub fn wake_target(&self) -> WakeTarget {
         match &self.form {
             CaptureForm::InPlace(capture) => WakeTarget::Polling(capture.wake_up().clone()),
@@ -85,7 +85,7 @@ impl Capture {
         }
     }
 
-    /// Reads no more. If packets were refused since the latest statistics, the last event has them. May wait for a second for a
+    /// Stops reading. If packets were refused since the latest statistics, the last event has the new statistics. May wait 1 s for a
     /// source on a thread.
     pub fn stop(&mut self) {
         match &mut self.form {
@@ -94,7 +94,7 @@ impl Capture {
         }
     }
 
-    /// Queues what has arrived but was not read yet.
+    /// Reads and queues what has arrived. A source on a thread does so by itself.
     pub fn receive(&mut self) {
         if let CaptureForm::InPlace(capture) = &mut self.form {
             capture.wait(Duration::ZERO);

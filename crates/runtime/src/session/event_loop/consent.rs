@@ -1,4 +1,4 @@
-//! The permission to press keys that a person gives while a session runs, and the sender that it is for.
+//! The permission to press keys that a person gives to one sender while a session runs.
 
 use super::SessionLoop;
 use crate::capture::SourceStats;
@@ -6,8 +6,8 @@ use crate::session::SessionError;
 use ademan_core::command::Command;
 
 impl SessionLoop<'_> {
-    /// Sets the statistics of the source. If another sender has followed the one that keys were allowed for, releases
-    /// everything and withdraws the permission, before a reading of that sender counts.
+    /// Sets the statistics of the source. If another sender has followed the sender that a person has allowed to press keys, releases
+    /// everything and withdraws the permission, before a reading of the new sender counts.
     pub(super) fn follow_source(&mut self, stats: &SourceStats) -> Result<(), SessionError> {
         let has_changed = stats.sender_changes > self.stats.source.sender_changes;
         self.set_source_stats(stats);

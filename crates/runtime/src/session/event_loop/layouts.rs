@@ -67,7 +67,7 @@ impl SessionLoop<'_> {
         Ok(())
     }
 
-    /// Hands an operation to the layout manager, which disconnects `done` once it is handled.
+    /// Passes an operation to the layout manager, which disconnects `done` once it is handled.
     pub(super) fn forward(
         &self,
         operation: LayoutOperation,
@@ -102,6 +102,7 @@ impl SessionLoop<'_> {
         })
     }
 
+    /// Replaces the estimator of the first hand, and returns the old one to its thread.
     pub(super) fn swap_estimator(&mut self, swap: EstimatorSwap) -> Result<(), SessionError> {
         let EstimatorSwap {
             mut estimator,
@@ -111,11 +112,12 @@ impl SessionLoop<'_> {
         self.pipeline
             .exchange_estimator(&mut estimator, &mut self.events);
         self.send_events()?;
-        self.publish(None, false, None);
+        self.publish_state(None);
         let _ = retired.try_send(estimator);
         Ok(())
     }
 
+    /// Replaces the layout of a profile, and returns the old one to its thread.
     pub(super) fn swap_layout(&mut self, swap: LayoutSwap) -> Result<(), SessionError> {
         let LayoutSwap {
             mut layout,
@@ -130,7 +132,7 @@ impl SessionLoop<'_> {
         self.pipeline
             .replace_profile(profile, &mut layout, &mut self.events);
         self.send_events()?;
-        self.publish(None, false, None);
+        self.publish_state(None);
         self.update_target_names();
         if let Some(link) = self.commands.layouts().filter(|_| !keep_board_poses) {
             link.count_replaced();

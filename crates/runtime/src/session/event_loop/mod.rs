@@ -272,7 +272,7 @@ impl SessionLoop<'_> {
             self.latency = Some(latency);
             self.latency_ns.saturating_record(latency.as_nanos() as u64);
         }
-        self.publish(Some(reading), is_accepted, None);
+        self.publish_reading(reading, is_accepted);
         if has_commands {
             self.execute_layout_commands(reading)
         } else {
@@ -392,7 +392,7 @@ impl SessionLoop<'_> {
         self.last_reading_at = self.last_reading_at.map(|_| self.now);
         if is_stalled {
             self.last_reading_at = None;
-            self.publish(None, false, None);
+            self.publish_state(None);
         }
         Ok(())
     }
@@ -408,7 +408,7 @@ impl SessionLoop<'_> {
             self.last_reading_at = None;
         }
         self.send_events()?;
-        self.publish(None, false, Some(&error));
+        self.publish_state(Some(&error));
         Ok(())
     }
 
@@ -417,7 +417,7 @@ impl SessionLoop<'_> {
         self.pipeline.stall(&mut self.events);
         self.last_reading_at = None;
         self.send_events()?;
-        self.publish(None, false, source_error);
+        self.publish_state(source_error);
         Ok(())
     }
 
@@ -433,7 +433,7 @@ impl SessionLoop<'_> {
         // After the releases, as it may wait.
         self.capture.stop();
         self.count_unread();
-        self.publish(None, false, None);
+        self.publish_state(None);
         sent?;
         Ok(closed?)
     }

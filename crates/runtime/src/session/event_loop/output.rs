@@ -5,18 +5,18 @@ use crate::session::SessionError;
 use ademan_core::pipeline::PipelineState;
 
 impl SessionLoop<'_> {
-    /// Calls the output without a reading, and shows a stall of the output to the observer.
+    /// Calls the output without events, as a heartbeat, and shows a stall of the output to the observers.
     pub(super) fn keep_output_alive(&mut self) -> Result<(), SessionError> {
         let state = self.pipeline.state();
         self.events.clear();
         self.send_events()?;
         if self.pipeline.state() != state {
-            self.publish(None, false, None);
+            self.publish_state(None);
         }
         Ok(())
     }
 
-    /// Hands the events of this step to the sink, even if there are none: a sink with its own thread reports an earlier
+    /// Sends the events of this step to the sink, even if there are none: a sink with its own thread reports an earlier
     /// failure at the next call.
     pub(super) fn send_events(&mut self) -> Result<(), SessionError> {
         // A press that still waits in a queue must not follow the releases of a pause or stall.
@@ -35,7 +35,7 @@ impl SessionLoop<'_> {
         }
     }
 
-    /// Releases everything, also locked modifiers, after the output has lost a press or keys.
+    /// Releases everything, including locked modifiers, after the output has dropped a press or the watchdog has released keys.
     fn stall_output(&mut self) -> Result<(), SessionError> {
         let sent = self.events.len();
         self.pipeline.stall_output(&mut self.events);

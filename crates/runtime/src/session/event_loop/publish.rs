@@ -1,4 +1,4 @@
-//! The steps that observers see, by reference, and the statistics of the session.
+//! The steps that observers see, and the state and the statistics of the session.
 
 use super::SessionLoop;
 use crate::capture::{CaptureError, Reading, SourceStats};
@@ -9,9 +9,19 @@ use ademan_core::device::TimedCommand;
 use ademan_core::snapshot::StepView;
 
 impl SessionLoop<'_> {
+    /// Shows the step of a reading to the observers, with its results if it was accepted.
+    pub(super) fn publish_reading(&mut self, reading: &Reading, is_accepted: bool) {
+        self.publish(Some(reading), is_accepted, None);
+    }
+
+    /// Shows a step without a reading to the observers.
+    pub(super) fn publish_state(&mut self, source_error: Option<&CaptureError>) {
+        self.publish(None, false, source_error);
+    }
+
     /// Shows this step to the observers, with the results for `reading` if it was accepted. Its events belong to the profile
     /// that was active before them.
-    pub(super) fn publish(
+    fn publish(
         &mut self,
         reading: Option<&Reading>,
         is_accepted: bool,
@@ -46,12 +56,13 @@ impl SessionLoop<'_> {
         }
     }
 
+    /// Shows a step without a reading to the observers, with a command if it was executed.
     pub(super) fn publish_command(&mut self, command: Command, is_executed: bool) {
         self.executed = is_executed.then_some(TimedCommand {
             time: self.pipeline.time(),
             command,
         });
-        self.publish(None, false, None);
+        self.publish_state(None);
     }
 
     pub(super) fn status(&mut self) -> SessionStatus {

@@ -1,11 +1,11 @@
-//! The text field that an output types into: what it takes, its candidates, and its choice of one of them.
+//! The text field that an output types into: its kind, which the text decoder follows, and the candidate that is chosen in it.
 
 use super::SessionLoop;
 use crate::output::{FieldKind, TextField};
 use crate::session::SessionError;
 use ademan_core::command::{Command, CommandOrigin, TextMode};
 
-/// The field of the last turn, and what the text decoders did before it.
+/// The field of the last turn of the loop, and the modes of the text decoders before it.
 pub(super) struct FollowedField {
     field: TextField,
     /// The mode of the decoder of each profile before a field that takes exactly what is typed.
@@ -20,7 +20,7 @@ impl FollowedField {
         }
     }
 
-    /// Returns the mode that the decoder of a profile shall have from now on, if it has to be set.
+    /// Returns the mode to set for the decoder of a profile, whose mode is `mode`; `None` if nothing has to be set.
     fn follow(&mut self, field: TextField, profile: usize, mode: TextMode) -> Option<TextMode> {
         let is_left = field.generation != self.field.generation;
         self.field = field;
@@ -46,7 +46,7 @@ impl SessionLoop<'_> {
         let Some(mode) = self.pipeline.text_state().map(|state| state.mode) else {
             return Ok(());
         };
-        // Asked only for a decoder: a display watches other keyboards for it.
+        // Only if there is a decoder: to answer, an output watches other keyboards.
         let field = self.sink.0.text_field();
         let profile = self.pipeline.active_profile();
         if let Some(mode) = self.text_field.follow(field, profile, mode) {

@@ -6,16 +6,16 @@ use super::SessionLoop;
 use crate::session::SessionError;
 use ademan_core::time::NO_DEADLINE;
 
-/// Longest time in which a source that is not live, and whose keys are pressed, may neither return a reading nor state the time:
-/// the disk of a recording hangs. Only a machine that is very busy delays its thread for a part of it.
+/// Longest time in which a source that is not live, and whose keys are pressed, may neither return a reading nor state the time.
+/// A longer silence means that the disk of a recording hangs; even on a busy machine, the thread of the source is not that late.
 pub(super) const MAX_SILENCE: Duration = Duration::from_secs(1);
 
 /// Longest time without a call of the output while readings are expected. The thread of an output, or the watchdog, releases all
 /// keys after some 200 ms without one.
 pub(super) const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
 
-/// Longest time without a call of an output with an effect while none are expected: the output reports there that its display is
-/// gone.
+/// Longest time without a call of an output with an effect while no readings are expected. By the result of the call, the output reports
+/// that its display is gone.
 const IDLE_PERIOD: Duration = Duration::from_millis(400);
 
 impl SessionLoop<'_> {
@@ -41,8 +41,8 @@ impl SessionLoop<'_> {
         }
     }
 
-    /// Time until a source without readings counts as stalled. One that is not live has the times of its readings for this,
-    /// and a deadline only if keys stay pressed outside of this process.
+    /// Returns the time until the source counts as stalled if it sends nothing. For a source that is not live, gaps show in the times of
+    /// its readings; it has a deadline only if keys may stay pressed outside of this process.
     pub(super) fn time_to_stall(&self) -> Duration {
         let timeout = self.pipeline.stall_timeout();
         let timeout = if self.capture.is_live() {
