@@ -96,7 +96,7 @@ impl ContactTracker {
     /// in order of time for each finger. `scene` must have the surfaces and targets that the tracker was created for.
     /// Does not allocate.
     ///
-    /// Touches are cancelled at the time of the pose if the finger is untrusted, not known or not finite in two poses in a row or
+    /// Touches are cancelled at the time of the pose if the finger is untrusted, not known or not finite in two consecutive poses or
     /// for more than 70 ms, if the anchor of the surface is not known, or if the hand jumped.
     pub fn update(&mut self, scene: &Scene, pose: &HandPose, touches: &mut Touches) {
         let tips = Fingertips::trusted(pose);
@@ -115,7 +115,7 @@ impl ContactTracker {
         let (fingers, mut step) = self.begin_step(scene, &hand, touches);
         for (state, &finger) in fingers.iter_mut().zip(Finger::ALL) {
             state.update(finger, &mut step);
-            // A stroke that has begun to wait in this step comes before one that is decided in it.
+            // A stroke that begins to wait in this step counts in the decisions about the fingers after it.
             let waiting = [step.first_waiting, state.waits_since()];
             step.first_waiting = waiting.into_iter().flatten().min();
         }

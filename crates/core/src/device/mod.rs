@@ -166,7 +166,7 @@ impl Axis {
 ///
 /// In one step, ten fingers can each end one press and begin another, each with one modifier, 10 × (2 + 2)
 /// events, and emit a depth and a value each, 10 × 2. A text has 32 characters at most, a text of a sequence 32 more, and the release
-/// of all keys takes 52; what does not fit of values and velocities follows in the next step.
+/// of all keys takes 52; values and velocities that do not fit follow in the next step.
 pub type Events = ArrayVec<OutputEvent, 192>;
 
 /// The input of a device: one hand in one step.
@@ -277,8 +277,8 @@ pub trait VirtualDevice: Send {
     /// values and axes that return to rest.
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput);
 
-    /// Ends at `time` what a hand has switched on and left on, because the hand is lost. What the hand still presses has ended with
-    /// its last step.
+    /// Switches off, at `time`, what a hand has left on, because the hand is lost. The presses of the hand have ended with its last
+    /// step.
     fn release_hand(&mut self, _side: Side, _time: Timestamp, _out: &mut DeviceOutput) {}
 
     /// Returns the position of its cursor, for displays; `None` for a device without one.

@@ -37,7 +37,7 @@ impl Pressures {
         }
     }
 
-    /// Sets each value to the depth of its deepest finger. What does not fit into the event list is made up for by the next call.
+    /// Sets each value to the depth of its deepest finger. A value that does not fit into the event list is emitted by the next call.
     fn emit(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         for (index, (_, emitter)) in self.keys.iter_mut().enumerate() {
             let fingers = self.fingers.iter().flatten();

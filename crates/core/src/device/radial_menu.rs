@@ -23,16 +23,16 @@ pub const MAX_SECTORS: usize = 8;
 /// The largest number of modifiers that a choice holds: Control, Shift, Alt and Meta.
 pub const MAX_MODIFIERS: usize = 4;
 
-/// Radius within which a fingertip is back in a dead zone, as a fraction of the radius of the dead zone, so that a fingertip that
-/// trembles at its edge highlights and fires always the same.
-const BACK: f32 = 0.8;
+/// The radius within which a fingertip re-enters a dead zone, as a fraction of the radius of the dead zone. The hysteresis keeps the
+/// highlighted sector the same while a fingertip trembles at the edge.
+const REENTRY_FRACTION: f32 = 0.8;
 
 /// A radial menu. It opens around the position at which a fingertip presses its hub.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadialMenu {
     /// The target that is its front.
     pub target: TargetId,
-    /// Radius of the front, in metres, more than 0. So far from its center a fingertip opens a nested menu.
+    /// Radius of the front, in metres, more than 0. At this distance from the center of the menu a fingertip opens a nested menu.
     pub radius: f32,
     /// Radius of the hub and of the dead zone around the fingertip, in metres, less than the radius of the front.
     pub hub_radius: f32,
@@ -158,7 +158,7 @@ impl RadialMenu {
     /// highlighted, and the dead zone, have hysteresis at their borders.
     fn sector_at(&self, offset: Vec2, count: usize, highlighted: Option<usize>) -> Option<usize> {
         let dead_radius = match highlighted {
-            Some(_) => self.hub_radius * BACK,
+            Some(_) => self.hub_radius * REENTRY_FRACTION,
             None => self.hub_radius,
         };
         if offset.length() <= dead_radius || count == 0 {
@@ -181,7 +181,7 @@ impl RadialMenu {
 struct OpenMenu {
     /// Center of the menu on the front, in metres: the position of the press.
     center: Vec2,
-    /// Center of the nested menu; of no meaning without one.
+    /// Center of the nested menu on the front, in metres; unused while none is open.
     nested_center: Vec2,
     state: MenuState,
 }
@@ -201,7 +201,7 @@ impl OpenMenu {
             MenuState::Nested(index) => (index, None),
             MenuState::Choice(index, choice) => (index, Some(choice)),
         };
-        if offset.length() <= menu.hub_radius * BACK {
+        if offset.length() <= menu.hub_radius * REENTRY_FRACTION {
             self.state = MenuState::Idle;
             return;
         }
@@ -315,8 +315,8 @@ impl RadialMenus {
     }
 }
 
-/// Taps a choice, or nothing if not all of it fits, or if the hand may only point and the choice has modifiers: modifiers alone and
-/// the action alone have meanings of their own.
+/// Taps a choice. Taps nothing if not all of its events fit, or if the hand may only point and the choice has modifiers, because the
+/// modifiers alone or the action alone would have another meaning.
 fn tap(choice: &Choice, touch: &Touch, out: &mut DeviceOutput) {
     let source = PressSource::from_touch(touch);
     let mut modifiers = choice.modifiers.iter();

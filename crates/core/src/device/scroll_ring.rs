@@ -20,7 +20,7 @@ pub struct ScrollRing {
     pub target: TargetId,
     /// Outer radius, in metres, more than 0.
     pub radius: f32,
-    /// Radius of the center in which a fingertip turns nothing, in metres, less than the outer one: so close to the middle, hand
+    /// Radius of the dead center, in which a fingertip turns nothing, in metres, less than the outer radius: close to the middle, hand
     /// tremor is a large angle.
     pub dead_radius: f32,
     /// Number of detents of a turn, at least 1.
@@ -43,7 +43,7 @@ struct RingGrip {
 }
 
 impl ScrollRing {
-    /// Returns the change of the value for a way around the middle.
+    /// Returns the change of the value for a movement around the middle.
     fn change(&self, from: Vec2, to: Vec2) -> f32 {
         let counter_clockwise = from.angle_to(to) / TAU;
         if self.is_reversed {

@@ -1,4 +1,4 @@
-//! Signals: what controls send to music and stage programs, through the outputs `osc` and `midi`.
+//! Signals that controls send to music and stage programs, through the outputs `osc` and `midi`.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ pub struct Signal {
     pub address: Option<String>,
     /// The numbers that OSC messages have for the values 0 and 1.
     pub range: (f32, f32),
-    /// Channel of its MIDI messages, 0..=15: one less than musicians count.
+    /// Channel of its MIDI messages, 0..=15: one less than the number that music programs show.
     pub channel: u8,
     /// The MIDI messages; `None` if it sends none.
     pub midi: Option<MidiKind>,
@@ -31,7 +31,7 @@ pub enum MidiKind {
 pub struct Signals(Arc<[(TargetId, Signal)]>);
 
 impl Signals {
-    /// Creates the list. If a target occurs twice, one of its signals counts.
+    /// Creates the list. If a target occurs several times, only one of its signals is kept.
     pub fn new(signals: impl IntoIterator<Item = (TargetId, Signal)>) -> Self {
         let mut signals: Vec<_> = signals.into_iter().collect();
         signals.sort_by_key(|(target, _)| *target);

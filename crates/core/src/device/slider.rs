@@ -24,7 +24,7 @@ pub struct Slider {
     pub steps: Option<u16>,
     /// The value at the start, 0..=1.
     pub initial: f32,
-    /// True if it returns to `initial` when it is released. Its axis must be 0 there.
+    /// `true` if it returns to `initial` when it is released. Its axis must be 0 there.
     pub springs_back: bool,
     /// The events for its value.
     pub output: ValueOutput,

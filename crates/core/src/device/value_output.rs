@@ -98,8 +98,8 @@ impl ValueEmitter {
         Self { rest, ..self }
     }
 
-    /// Maps the value 0 to the center of an axis from −1 to 1, for a control that rests at 0: at −1 it would deflect the axis all
-    /// the time.
+    /// Maps the value 0 to the center of an axis from −1 to 1, for a control that rests at 0. Mapped to −1, it would deflect the axis
+    /// while it rests.
     pub(super) fn with_axis_at_rest_for_zero(self) -> Self {
         Self {
             is_one_sided: true,
@@ -126,7 +126,7 @@ impl ValueEmitter {
     }
 
     /// Sets the value, 0..=1 unless the control is endless, and emits what changed. A value that is not
-    /// finite is ignored. What does not fit into the event list is made up for by the next call.
+    /// finite is ignored. A change that does not fit into the event list is emitted by the next call.
     pub(super) fn set(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) {
         if !value.is_finite() {
             return;
@@ -135,7 +135,7 @@ impl ValueEmitter {
         self.emit_output(value, time, out);
     }
 
-    /// Sets a value that wraps around at 1 and emits what changed. Returns the number of turns that were taken off the value.
+    /// Sets a value that wraps around at 1 and emits the changes. Returns the number of whole turns by which the value was reduced.
     pub(super) fn turn_to(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) -> f32 {
         if !value.is_finite() {
             return 0.0;

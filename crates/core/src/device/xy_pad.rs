@@ -22,7 +22,7 @@ pub struct XyPad {
     pub values: [NamedValue; 2],
     /// The settings of its values, in the same order.
     pub axes: [PadAxis; 2],
-    /// True if both values return to their initial ones when it is released. Their axes must be 0 there.
+    /// `true` if both values return to their initial ones when it is released. Their axes must be 0 there.
     pub springs_back: bool,
 }
 

@@ -47,7 +47,7 @@ pub struct KeyArbiter {
     /// The sequence that runs. Only one runs at a time.
     running: Option<RunningSequence>,
     multitaps: Multitaps,
-    /// `true` if a text decoder finds the letters of words, so that taps in a row are letters of their own.
+    /// `true` if a text decoder finds the letters of words, so that each of several consecutive taps is a letter.
     first_letters_only: bool,
     /// The letter that another tap replaces, until another press, a time-out or a loss.
     cycle: Option<Cycle>,
@@ -274,13 +274,13 @@ impl KeyArbiter {
         self.release_unwanted(&[], time, events);
     }
 
-    /// Ends the one-shots and locks of a hand that is lost. What its fingers press ends with their touches.
+    /// Ends the one-shots and locks of a hand that is lost. The presses of its fingers end with their touches.
     pub fn release_hand(&mut self, side: Side) {
         self.one_shots.release_hand(side);
         self.locks.release_hand(side);
     }
 
-    /// Notes that the output gate suppressed the press of a key. The presses of this key hold nothing until they end, and do not count
+    /// Records that the output gate suppressed the press of a key. The presses of this key hold nothing until they end, and do not count
     /// as taps that lock; a later press presses the key again.
     pub fn suppress_key(&mut self, code: KeyCode) {
         let Some(index) = self.pressed_keys.iter().position(|key| key.code == code) else {

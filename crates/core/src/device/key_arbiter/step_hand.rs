@@ -6,16 +6,17 @@ use super::{KeyAction, KeyArbiter, PressSource};
 use crate::device::EventKind;
 use crate::hand::Side;
 
-/// Different keys and characters that may be pressed for the other hand in one step. Further ones count as presses of the hand of the step.
+/// Maximum number of different keys and characters that are pressed for the other hand in one step. Further ones count for the hand of the
+/// step.
 const MAX_PRESSES_OF_OTHER_HAND: usize = 64;
 
 /// The hand of the present step.
 #[derive(Clone, Debug)]
 pub(super) struct StepHand {
     side: Side,
-    /// The hand may point but not type, by side.
-    pointing_only: [bool; Side::COUNT],
-    /// The typing presses dropped because of that.
+    /// `true` if the hand may point but not type, by side.
+    pointer_only: [bool; Side::COUNT],
+    /// The number of typing presses that were dropped because their hand may only point.
     dropped_presses: u64,
     /// The keys and characters of this step that the other hand has caused: presses that were delayed.
     of_other_hand: ArrayVec<EventKind, MAX_PRESSES_OF_OTHER_HAND>,
@@ -25,7 +26,7 @@ impl Default for StepHand {
     fn default() -> Self {
         Self {
             side: Side::Right,
-            pointing_only: [false; Side::COUNT],
+            pointer_only: [false; Side::COUNT],
             dropped_presses: 0,
             of_other_hand: ArrayVec::new(),
         }
@@ -33,7 +34,7 @@ impl Default for StepHand {
 }
 
 impl StepHand {
-    /// Returns the side that causes a press of a source: of a touch its own, of a part of a control the side of the step.
+    /// Returns the side that causes a press of a source: the side of the touch, or the side of the step for a part of a control.
     pub(super) fn side_of(&self, source: PressSource) -> Side {
         match source {
             PressSource::Touch(side, ..) => side,
@@ -41,7 +42,7 @@ impl StepHand {
         }
     }
 
-    /// Notes that `side` has caused the press of a key, or a character.
+    /// Records that `side` has caused the press of a key, or a character.
     pub(super) fn note_press(&mut self, side: Side, kind: EventKind) {
         if side != self.side && !self.of_other_hand.contains(&kind) {
             let _ = self.of_other_hand.try_push(kind);
@@ -50,18 +51,18 @@ impl StepHand {
 
     /// Returns `true`, and counts the press, if an action types and the hand of its source may only point.
     pub(super) fn drops(&mut self, source: PressSource, action: KeyAction) -> bool {
-        let is_dropped = action.is_typing() && self.pointing_only[self.side_of(source).index()];
+        let is_dropped = action.is_typing() && self.pointer_only[self.side_of(source).index()];
         self.dropped_presses += u64::from(is_dropped);
         is_dropped
     }
 }
 
 impl KeyArbiter {
-    /// Begins a step of the hand of `side`. The typing presses of hands that may only point are dropped from now on, by side. Checked at
-    /// each press, because a delayed press may begin in a step of the other hand.
-    pub fn begin_step(&mut self, side: Side, pointing_only: [bool; Side::COUNT]) {
+    /// Begins a step of the hand of `side`. From now on, typing presses of hands that are `pointer_only`, by side, are dropped. This is
+    /// checked at each press, because a delayed press may begin in a step of the other hand.
+    pub fn begin_step(&mut self, side: Side, pointer_only: [bool; Side::COUNT]) {
         self.hand.side = side;
-        self.hand.pointing_only = pointing_only;
+        self.hand.pointer_only = pointer_only;
         self.hand.of_other_hand.clear();
     }
 

@@ -13,9 +13,9 @@ pub struct KeyBinding {
     /// The action in each layer, base layer first. In a layer that is `None` or beyond the end of the list,
     /// the action of the base layer applies.
     pub actions: Vec<Option<KeyAction>>,
-    /// True if the depth of the press is emitted as well.
+    /// `true` if the depth of the press is emitted as well.
     pub reports_depth: bool,
-    /// True if the velocity of the press is emitted as well.
+    /// `true` if the velocity of the press is emitted as well.
     pub reports_velocity: bool,
     /// The moment at which the action fires.
     pub activation: Activation,

@@ -93,7 +93,7 @@ impl Keyboard {
         self.hold_where(|due| Some(due.min(time)), out);
     }
 
-    /// Turns each pending press into a hold for whose due time `hold_time` returns a time, at that time.
+    /// Turns pending presses into holds: each at the time that `hold_time` returns for its due time, unless that is `None`.
     fn hold_where(
         &mut self,
         hold_time: impl Fn(Timestamp) -> Option<Timestamp>,

@@ -14,7 +14,7 @@ const FULL_SPEED: f32 = 1.0;
 /// The smallest velocity of a press, the step of MIDI; 0 is a release.
 const MIN_VELOCITY: f32 = 1.0 / 127.0;
 
-/// The velocity of a press without evidence, as of keyboards that do not measure it (MIDI 1.0: 64).
+/// The velocity of a press without evidence: the velocity of keyboards that do not measure it (MIDI 1.0: 64).
 const UNKNOWN_VELOCITY: f32 = 64.0 / 127.0;
 
 /// Emits the velocity of each press, and 0 at its release.
@@ -65,7 +65,7 @@ impl VelocityReporter {
         self.emit_releases(time, out);
     }
 
-    /// Emits the release of each key that no finger holds. What does not fit into the event list is retried by the next call.
+    /// Emits the release of each key that no finger holds. A release that does not fit into the event list is retried by the next call.
     pub(super) fn emit_releases(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let held = &self.held;
         self.down.retain(|down| {

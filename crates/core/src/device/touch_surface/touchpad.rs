@@ -34,7 +34,7 @@ pub struct TouchpadSettings {
     pub acceleration: f32,
     /// Scroll distance of two fingers, in detents per metre.
     pub detents_per_m: f32,
-    /// True if the content moves with the fingers (natural scrolling), instead of the view.
+    /// `true` if the content moves with the fingers (natural scrolling), instead of the view.
     pub natural_scrolling: bool,
 }
 
