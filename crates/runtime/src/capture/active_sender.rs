@@ -91,7 +91,7 @@ mod tests {
         let mut senders = ActiveSender::default();
         let start = Instant::now();
         let at = |millis| start + Duration::from_millis(millis);
-        // Without a valid packet both are read, and each is told from the other.
+        // Before the first valid packet both are read, and each change of the sender is reported.
         assert!(senders.read_from('a', at(0)) && !senders.take_change());
         assert!(senders.read_from('b', at(1)) && senders.take_change());
         assert!(senders.read_from('b', at(2)) && !senders.take_change());

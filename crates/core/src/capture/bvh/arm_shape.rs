@@ -32,8 +32,8 @@ struct ShapeBone {
 impl ArmShape {
     /// Measures the joints that most of the poses know, with medians. `None` if there is no such joint.
     ///
-    /// Nothing is known about the joints between two joints of a finger that are at one place, as a source gives them that sees only
-    /// the knuckle: they are left out.
+    /// If two joints of a finger are at one position, as from a source that sees only the knuckle, the joints between them are unknown and
+    /// left out.
     pub fn measure(poses: &[JointPositions], side: Side) -> Option<Self> {
         let mut joints = known_joints(poses);
         for &finger in Finger::ALL {

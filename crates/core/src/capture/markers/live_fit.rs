@@ -9,8 +9,8 @@ const MAX_SAMPLES: usize = 1024;
 
 /// Fits the points of a stream to bones whose lengths it measures itself.
 ///
-/// The length of a bone is the median of its first readings, so that single wrong ones do not count. While it is measured, the median
-/// so far counts; then it does not change any more.
+/// The length of a bone is the median of its first readings, so that single wrong readings have no effect. While the length is measured,
+/// the median so far is used; after that the length stays constant.
 #[derive(Clone, Debug)]
 pub struct LiveFit {
     bones: Vec<MeasuredBone>,

@@ -37,7 +37,7 @@ fn length([x, y]: Point) -> f32 {
     x.hypot(y)
 }
 
-/// Returns where a point is from the wrist.
+/// Returns the position of a point relative to the wrist.
 fn from_wrist(points: &Picture, index: usize) -> Point {
     minus(points[index], points[WRIST])
 }
@@ -69,7 +69,7 @@ impl Movement {
         })
     }
 
-    /// Returns how far a fingertip is at most, at any time, from where it was at rest, both seen from the wrist.
+    /// Returns the largest distance of any fingertip, at any time, from its position at rest, both relative to the wrist.
     pub fn largest(&self) -> f32 {
         let changes = TIPS.iter().flat_map(|&tip| {
             let rest = at_rest(&self.pictures, |points| from_wrist(points, tip));

@@ -28,9 +28,9 @@ pub enum KeyAction {
 }
 
 impl KeyAction {
-    /// Returns the capability that an output needs for it; `None` if it emits no event. The events of a
-    /// sequence have the capabilities that [`Sequence::add_capabilities`](super::Sequence::add_capabilities) adds, the letters of a
-    /// multitap key have the ones that [`Multitaps::add_capabilities`](super::Multitaps::add_capabilities) adds.
+    /// Returns the capability that an output needs for the action; `None` if the action itself emits no event. For the events of a
+    /// sequence, see [`Sequence::add_capabilities`](super::Sequence::add_capabilities); for the letters of a multitap key, see
+    /// [`Multitaps::add_capabilities`](super::Multitaps::add_capabilities).
     pub const fn required_capability(self) -> Option<Capability> {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => Some(Capability::Key(code)),

@@ -52,7 +52,7 @@ impl Locks {
             KeyAction::Modifier(code, Latch::Lock)
                 if !self.modifiers.iter().any(|&(locked, _)| locked == code) =>
             {
-                // There are no more modifiers than fit.
+                // The list has room for every modifier.
                 let _ = self.modifiers.try_push((code, press.side));
             }
             KeyAction::Layer(layer, Latch::Lock) => self.layer = Some((layer, press.side)),

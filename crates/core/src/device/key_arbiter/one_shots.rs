@@ -67,7 +67,7 @@ impl OneShots {
             KeyAction::Modifier(code, Latch::OneShot)
                 if !self.armed.iter().any(|&(armed, _)| armed == code) =>
             {
-                // There are no more modifiers than fit.
+                // The list has room for every modifier.
                 let _ = self.armed.try_push((code, press.side));
             }
             KeyAction::Layer(layer, Latch::OneShot) => self.layer = Some((layer, press.side)),

@@ -97,7 +97,7 @@ impl RunningSequence {
     }
 }
 
-/// The hand that has started something that goes on after its press.
+/// The hand that has started an action that continues after its press.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Performer {
     side: Side,

@@ -101,7 +101,7 @@ impl Pointer {
         }
     }
 
-    /// Returns `true` if this hand is the one that points.
+    /// Returns `true` if this hand points. Without a side in the settings, the first hand points.
     fn is_pointing_hand(&mut self, side: Side) -> bool {
         let configured = self.screen.as_ref().and_then(|it| it.settings.side);
         side == configured.unwrap_or(*self.side.get_or_insert(side))

@@ -26,7 +26,7 @@ const MAX_BACK: f32 = 1.0;
 /// The longest time of a turn, in seconds.
 const MAX_TURN_TIME: f32 = 2.5;
 
-/// The smallest mean radius, in metres. A fingertip that goes from key to key comes to 30 mm.
+/// The smallest mean radius, in metres. The path of a fingertip from key to key reaches 30 mm.
 const MIN_RADIUS: f32 = 0.035;
 
 /// The least area of a circle as a fraction of a round one with the same length of way. An ellipse three times as long as wide has 0.6.

@@ -19,7 +19,7 @@ pub trait KeyWriter: Send {
     fn write(&mut self, key: KeyCode, direction: KeyDirection) -> bool;
 }
 
-/// The thread's end of a connection. Dropping it closes the connection: the display does not execute what it has not read.
+/// The thread's end of a connection. Dropping it closes the connection: the display does not execute requests that it has not read.
 pub trait AnswerReader: Send {
     /// Waits until the display has executed the next key event. Returns `false` if it has not by `deadline`, or if the
     /// connection is closed.

@@ -101,7 +101,7 @@ pub struct Desktop {
     requests: Option<Sender<WorkerRequest>>,
     /// Number of requests to the thread.
     requested: u64,
-    /// Number of requests to the thread up to the one that confirms the last press of the loop.
+    /// Number of requests to the thread, up to the request that confirms the last press of the loop.
     requested_with_direct_press: u64,
     /// `true` if the thread has executed all requests except confirmations of events that the loop has written.
     is_thread_idle: bool,

@@ -54,7 +54,7 @@ impl PressTickets {
 
     /// Returns the time after which the press is too old.
     pub fn deadline(&self, ticket: PressTicket) -> Instant {
-        // Tests have tickets that are valid for ever.
+        // Tickets of tests never expire.
         let deadline = ticket.queued_at.checked_add(self.max_age);
         deadline.unwrap_or_else(|| ticket.queued_at + NO_DEADLINE)
     }

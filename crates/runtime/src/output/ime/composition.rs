@@ -19,9 +19,9 @@ pub(super) enum Way {
 /// A part of a step, in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Part {
-    /// The field shows this word, in place of the one that it showed.
+    /// The field shows this word instead of the previous one.
     Show(Text),
-    /// The field takes this text, in place of the word that it shows.
+    /// The field takes this text instead of the word that it shows.
     Commit(Text),
     /// An event for the output of keys.
     Key(OutputEvent),

@@ -2,7 +2,7 @@
 //!
 //! Characters reach the focused text field as text, whatever its keymap is. While a text decoder changes words, the word that is typed
 //! stays open: the field shows it underlined, and takes it with the character that ends it. Shortcuts, modifiers, keys without a
-//! character and the pointer go through the output `desktop` or the one that is named: `ime:uinput`. So do all keys while no text
+//! character and the pointer go through the output `desktop`, or through the output in the argument: `ime:uinput`. So do all keys while no text
 //! field has the focus, and in fields for passwords, numbers, addresses and terminals.
 //!
 //! The input method belongs to a Wayland compositor, or is IBus.
@@ -41,7 +41,7 @@ pub const BACKEND: Backend = Backend {
     open,
 };
 
-/// Returns what keys and text need, as far as one of the outputs for keys has it.
+/// Returns the capabilities of all outputs for keys together.
 fn capabilities() -> Capabilities {
     let mut capabilities = (desktop::BACKEND.capabilities)();
     for capability in (uinput::BACKEND.capabilities)().iter() {

@@ -34,7 +34,7 @@ pub(super) struct MidiThread {
 }
 
 impl MidiThread {
-    /// Starts the thread. It ends with the queue, or when the device does not accept messages any more.
+    /// Starts the thread. It ends with the queue, or when the device stops accepting messages.
     pub fn start(writer: Writer, queue: Receiver<Message>) -> io::Result<Self> {
         let (end, ended) = bounded::<()>(0);
         let steps = Arc::new(AtomicU64::new(0));
@@ -103,7 +103,7 @@ impl Port {
                 return;
             }
         }
-        // A device that does not accept it has no notes any more.
+        // A device that does not accept this is gone, and so are its notes.
         let _ = self.end_notes();
     }
 

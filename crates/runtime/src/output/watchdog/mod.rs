@@ -7,8 +7,8 @@
 //! to each heartbeat: if it does not for 300 ms, the process releases all keys and replaces it. While no heartbeats are
 //! sent, it replies on Linux to a probe every 0.4 s.
 //!
-//! The reply says whether the watchdog has released keys. A process that was stopped for a moment believes that they are
-//! pressed, so it presses a key only if the last reply is recent.
+//! The reply says whether the watchdog has released keys. After a process was stopped for a moment, its record of pressed keys
+//! may be wrong, so it presses a key only if the last reply is recent.
 //!
 //! On X11 the watchdog has a connection of its own. A compositor and the kernel accept a release only from the device
 //! that sent the press, so there it has a duplicate of the connection or of the device (see `ReleaseTarget`).
@@ -85,7 +85,7 @@ pub(super) type OnRelease = Arc<dyn Fn() + Send + Sync>;
 /// The command with which a process starts its watchdog.
 #[derive(Clone)]
 pub struct WatchdogSettings {
-    /// The executable, usually the one of this process.
+    /// The executable, usually the executable of this process.
     pub program: PathBuf,
     /// The arguments that make it call [`run_watchdog`](crate::output::run_watchdog).
     pub arguments: Vec<OsString>,

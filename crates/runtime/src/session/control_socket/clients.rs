@@ -56,7 +56,7 @@ enum Activity {
 }
 
 impl Clients {
-    /// Adds a client. If there is no place, the one that has been idle for the longest time is disconnected; `None` if no
+    /// Adds a client. If all slots are taken, disconnects the client that has been idle for the longest time. Returns `None` if no
     /// client becomes idle within [`PLACE_TIMEOUT`].
     pub fn add(&self, writer: Arc<LineWriter>) -> Option<ClientSlot> {
         let mut list = self.lock();

@@ -162,8 +162,8 @@ fn write_notifications(subscription: &Subscription, writer: &LineWriter, end: &R
     }
 }
 
-/// Writes views, each after its layout if that is new, until the connection ends. The end of the session disconnects the client, also if
-/// the process goes on.
+/// Writes views, each after its layout if the layout is new, until the connection ends. The end of the session disconnects the client,
+/// even if the process continues.
 fn write_views(viewer: &Viewer, writer: &LineWriter, end: &Receiver<()>) {
     let mut written: Option<Arc<Layout>> = None;
     loop {

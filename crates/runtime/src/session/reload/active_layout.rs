@@ -139,7 +139,7 @@ impl ActiveLayout {
             Err(error) => return Ok(Err(format!("{error}\nthe active layout stays"))),
             Ok(layout) => layout,
         };
-        // The next trial finds it under the name that the session gives it.
+        // The layout keeps its name in the session, by which the next trial finds it.
         layout.file.clone_from(&self.layout.file);
         match build(self.profile, &layout) {
             Err(reason) => return Ok(Err(reason)),

@@ -1,6 +1,6 @@
 //! The state of a session on the desktop: notifications, and an icon with a menu in the tray.
 //!
-//! A thread of its own talks to the bus. The session loop gives it the newest state and does not wait for it.
+//! A thread of its own talks to the bus. The session loop sends it the newest state and does not wait for it.
 
 #[cfg(all(feature = "tray", target_os = "linux"))]
 mod linux;

@@ -2,8 +2,8 @@
 
 use std::io::{Error, Read, Result, Write};
 
-/// Most bytes without a complete message: far more than the longest one, and what was read ahead of it. Fragments without
-/// content would otherwise keep a processor busy for ever.
+/// Maximum number of bytes without a complete message: far more than the longest message and the bytes that are read ahead. Without the
+/// limit, fragments without content could keep a processor busy indefinitely.
 const MAX_BYTES: usize = 1 << 20;
 
 /// A connection whose reads fail if no message is complete after [`MAX_BYTES`].

@@ -71,8 +71,8 @@ impl<S: Read + Write> MessageReceiver<S> {
         }
     }
 
-    /// Gives a client up that sends nothing for this time: a network or a battery that fails ends no connection. After half of the time the
-    /// client is asked for an answer, which a browser gives by itself.
+    /// Closes the connection of a client that sends nothing for this time: a connection outlives a network or a battery that fails. After
+    /// half of the time the client gets a ping, which a browser answers by itself.
     #[cfg(feature = "tls")]
     pub fn limit_silence(&mut self, limit: Duration) {
         self.silence_limit = Some(limit);
@@ -171,8 +171,8 @@ impl<S: Read + Write> MessageReceiver<S> {
         }
     }
 
-    /// Asks a silent client for an answer. Fails with the reason to give it up. The second half of the limit starts with the question, so
-    /// that the time in which this thread did not read is no silence of the client.
+    /// Sends a ping to a silent client. Fails with the reason if the client has not answered in time. The second half of the limit starts
+    /// with the ping, so that a time in which this thread did not read does not count as silence of the client.
     fn check_silence(&mut self) -> Result<(), String> {
         let Some(limit) = self.silence_limit else {
             return Ok(());

@@ -1,4 +1,4 @@
-//! The engine: what the daemon calls, and the signals that put text into the focused field.
+//! The engine: the methods that the daemon calls, and the signals that put text into the focused field.
 //!
 //! Text and keys reach a program in different ways. Their order is kept:
 //!
@@ -122,7 +122,7 @@ impl<'a> Engine<'a> {
         }
     }
 
-    /// Executes what waits, and gives the desktop its engine back.
+    /// Executes the requests that wait, and restores the previous engine of the desktop.
     fn finish(mut self) {
         self.seen = self.shared.presses();
         let _ = self.execute_waiting();
@@ -213,7 +213,7 @@ impl<'a> Engine<'a> {
                 let Some((_, name)) = arguments::<(String, String)>(message) else {
                     return self.bus.refuse_arguments(message);
                 };
-                // The daemon then tells which program has the focus.
+                // With this property, the daemon reports which program has the focus.
                 let has_it = name == "FocusId";
                 return self.bus.reply(message, &(Value::from(has_it),));
             }

@@ -74,7 +74,7 @@ fn run(bus: Bus, requests: &Receiver<Request>, shared: &Shared) {
     }
 }
 
-/// Drops requests for a while, and returns whether the session is over.
+/// Drops requests for [`RETRY_PERIOD`]. Returns `true` as soon as the session is over.
 fn is_session_over(requests: &Receiver<Request>) -> bool {
     let deadline = std::time::Instant::now() + RETRY_PERIOD;
     loop {

@@ -207,7 +207,7 @@ impl<N: DeviceNode> Uinput<N> {
         }
     }
 
-    /// Calls a function for every device, the keyboard last, as its modifiers come up after the buttons. Returns the first error.
+    /// Calls a function for every device, the keyboard last, so that modifiers are released after the buttons. Returns the first error.
     fn for_each_device(
         &mut self,
         call: impl Fn(&mut TrackedDevice<N>) -> io::Result<()>,

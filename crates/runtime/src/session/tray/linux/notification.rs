@@ -136,7 +136,7 @@ impl Pace {
         Some(self.last_taken? + MIN_PERIOD)
     }
 
-    /// Returns the state that reads other than the one that is shown.
+    /// Returns the latest state if its text differs from the text that is shown.
     fn waiting(&self) -> Option<TrayState> {
         let words = |state: &TrayState| (heading(state), sentence(state));
         let state = self.state?;
