@@ -2,7 +2,7 @@
 
 use ademan_core::document::{Document, FileKind};
 use ademan_core::hand::Side;
-use ademan_core::layout::Person;
+use ademan_core::layout::{Fit, Layout, Person};
 use ademan_runtime::capture::SourceUri;
 use ademan_runtime::files::OpenDocument;
 use ademan_runtime::output;
@@ -36,9 +36,14 @@ impl SetupChange {
             Self::Person(name) => {
                 let side = name.as_deref().and_then(side_of_person);
                 let sides = [side, present.person.side].map(|it| it.unwrap_or(Side::Right));
-                present.setup.glove.is_none() && sides[0] != sides[1]
+                let is_default = present.setup.glove.is_none() || present.has_glove_of_layout;
+                is_default && sides[0] != sides[1]
             }
-            Self::Layout(_) | Self::Arm(_) | Self::Output(_) => false,
+            Self::Layout(name) => {
+                let used = present.layout.uses_inputs();
+                present.has_glove_of_layout && uses_inputs(name, present.layout.fit) == Some(!used)
+            }
+            Self::Arm(_) | Self::Output(_) => false,
         }
     }
 
@@ -70,6 +75,13 @@ impl SetupChange {
 fn side_of_person(name: &str) -> Option<Side> {
     let document = Document::open_kind(FileKind::Person, name).ok()?;
     Person::parse(&document).ok()?.side
+}
+
+/// Returns whether a layout uses inputs of a glove; `None` if it cannot be used, which its load reports.
+fn uses_inputs(name: &str, fit: Fit) -> Option<bool> {
+    let document = Document::open_kind(FileKind::Layout, name).ok()?;
+    let layout = Layout::for_hands(document, fit).ok()?;
+    Some(layout.uses_inputs())
 }
 
 fn with_source(setup: Setup, source: Option<SourceUri>) -> Setup {
@@ -156,6 +168,34 @@ mod tests {
         assert!(person("left").may_change_glove(&load(None)));
         assert!(!person("right").may_change_glove(&load(None)));
         assert!(!person("left").may_change_glove(&load(Some("unam-hc11"))));
+    }
+
+    #[test]
+    fn a_layout_with_inputs_brings_another_simulated_glove() {
+        let load = |layout: &str, glove: Option<&str>| {
+            let setup = Setup {
+                layout: layout.to_owned(),
+                glove: glove.map(str::to_owned),
+                ..Setup::default()
+            };
+            setup.load_files().expect("the shipped files")
+        };
+        let change = |layout: &str| SetupChange::Layout(layout.to_owned());
+        let (plain, inputs) = ("numpad", "lucidgloves-controller");
+        for (from, to, expected) in [
+            (plain, inputs, true),
+            (inputs, plain, true),
+            (plain, "arrows", false),
+            (inputs, inputs, false),
+            (plain, "no-such-layout", false),
+        ] {
+            let may_change = change(to).may_change_glove(&load(from, None));
+            assert_eq!(may_change, expected, "{from} {to}");
+        }
+        let named = load(plain, Some("lucidgloves"));
+        assert!(!change(inputs).may_change_glove(&named));
+        let left = SetupChange::Person(Some("left-small".to_owned()));
+        assert!(left.may_change_glove(&load(inputs, None)));
     }
 
     #[test]

@@ -24,6 +24,8 @@ pub struct LoadedSetup {
     pub setup: Setup,
     /// The glove, unless the source needs none.
     pub glove: Option<Glove>,
+    /// The layout at the start decides which glove the first hand wears: it is simulated, and the setup names none.
+    pub has_glove_of_layout: bool,
     /// The arm.
     pub arm: ArmModel,
     /// The glove and the arm of the other hand.
@@ -203,10 +205,14 @@ impl LoadedSetup {
         let layout = loader.layout(kind::LAYOUT, &setup.layout, fit)?;
         if layout.uses_inputs() && setup.has_default_simulated_glove() {
             let setup = setup.with_simulated_inputs(side);
-            return Self::new(setup, read);
+            return Ok(Self {
+                has_glove_of_layout: true,
+                ..Self::new(setup, read)?
+            });
         }
         let mut loaded = Self {
             glove,
+            has_glove_of_layout: setup.has_default_simulated_glove(),
             arm,
             other_hand,
             simulated_person: person.clone(),
