@@ -113,11 +113,18 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_profile() {
 
 #[test]
 fn the_rest_of_a_word_is_not_corrected_behind_a_profile_without_a_decoder() {
+    // With a Shift that is down while it is touched, at the place that the script taps.
+    let board = include_str!("../../layouts/keyboards/spanish-flat.ron");
+    let board = board.replace("ShiftLeft", "ShiftRight");
+    let board = board.replace("IntlBackslash", "ShiftLeft");
+    let folder = tempfile::tempdir().expect("a folder");
+    let other_layout = folder.path().join("other.ron");
+    std::fs::write(&other_layout, board).expect("a file");
     let setup = Setup {
         profiles: vec![ProfileSetup {
             name: "other".into(),
             text: None,
-            layout: "spanish-flat".into(),
+            layout: other_layout.to_string_lossy().into_owned(),
         }],
         ..load(TextModeSetup::Auto).setup
     };
@@ -142,6 +149,8 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_profile_without_a_decoder() {
     };
     assert_eq!(typed("tap C; tap O; tap N"), "a conteh the ");
     assert_eq!(typed("tap C; tap Space"), "a c the the ");
+    // A modifier alone types nothing.
+    assert_eq!(typed("tap C; tap Space; tap ShiftLeft"), "a c the the ");
 }
 
 #[test]

@@ -57,7 +57,7 @@ impl Pipeline {
         let within_limit = self.gate.filter(hand_of, first, added, events);
         let mut pressed = events[first..].iter().rev();
         if let Some(last) = pressed
-            .find(|event| is_press(event))
+            .find(|event| is_press(event) && !is_modifier(event.kind))
             .filter(|_| !has_decoder)
         {
             // A letter, or a key or button that may have moved the cursor.
@@ -109,6 +109,11 @@ impl Pipeline {
             self.resume(CommandOrigin::Layout);
         }
     }
+}
+
+/// Returns `true` for the press of a modifier, which types nothing and leaves the cursor where it is.
+fn is_modifier(kind: EventKind) -> bool {
+    matches!(kind, EventKind::KeyDown(key) if key.is_modifier())
 }
 
 /// Returns `true` for a press that types a space, a tab or a line break, whatever the keymap of the receiver is.
