@@ -134,6 +134,27 @@ fn a_person_of_the_settings_who_has_other_hands_stays_in_them() {
 }
 
 #[test]
+fn a_person_of_the_settings_who_has_other_hands_can_be_dismissed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let settings = folder.path().join("studio.ron");
+    save_person(&settings, Some("left-small".to_owned()));
+    let mut window = ChangingWindow::open("numpad", &settings);
+    // The tour of the window.
+    window.harness.key_press(egui::Key::Escape);
+    window.draw();
+    window.click(text("menu-hand"));
+    window.click(text("hand-person-own"));
+    window.harness.key_press(egui::Key::Escape);
+    window.draw();
+    // Another session begins with the settings of the file.
+    window.choose_layout("arrows");
+    assert_eq!(window.setup().layout, "arrows");
+    assert!(!window.has("types with the left hand"));
+    let (_, kept, _) = SettingsFile::open(settings);
+    assert_eq!(kept.hand.person, None);
+}
+
+#[test]
 fn the_person_of_the_settings_returns_after_one_of_the_setup() {
     let folder = tempfile::tempdir().expect("a folder");
     let settings = folder.path().join("studio.ron");

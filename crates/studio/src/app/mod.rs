@@ -56,8 +56,6 @@ pub struct StudioApp {
     sensors: SensorControl,
     panels: PanelState,
     settings_file: SettingsFile,
-    /// The person of the settings, in whose place the session has another one.
-    replaced_person: Option<String>,
     /// Clicks on presses; without it Studio is silent.
     sound: Option<Sound>,
     /// The last picture shows something that the one before did not, even without input.
@@ -104,7 +102,6 @@ impl StudioApp {
             sensors,
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
-            replaced_person: None,
             sound: None,
             has_changed: true,
         })
@@ -130,9 +127,9 @@ impl StudioApp {
     pub fn with_hand(mut self, mut hand: HandControl) -> Self {
         let wanted = &mut self.panels.settings().hand;
         if hand.has_own_person() {
-            self.replaced_person = wanted.person.take();
+            self.panels.replaced_person = wanted.person.take();
         } else if let Err(error) = hand.apply(wanted) {
-            self.replaced_person = wanted.person.take();
+            self.panels.replaced_person = wanted.person.take();
             self.panels.message = Some(error.to_string());
         }
         self.hand = Some(hand);
@@ -390,10 +387,11 @@ impl StudioApp {
     /// Returns the settings for the file: with the person that the session replaces, until another one is chosen.
     fn kept_settings(&mut self) -> Settings {
         let mut kept = self.panels.settings().clone();
+        let replaced = &mut self.panels.replaced_person;
         if kept.hand.person.is_some() {
-            self.replaced_person = None;
+            *replaced = None;
         } else {
-            kept.hand.person.clone_from(&self.replaced_person);
+            kept.hand.person.clone_from(replaced);
         }
         kept
     }

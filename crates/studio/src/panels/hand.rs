@@ -19,7 +19,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState) {
         let hand = &mut state.settings.hand;
         show_sliders(ui, hand);
         ui.separator();
-        show_people(ui, hand);
+        show_people(ui, hand, &mut state.replaced_person);
         let file = &mut state.person_file;
         if let Some(name) =
             file_field::show(ui, WIDTH, "hand-person-file", "hand-person-open", file)
@@ -41,11 +41,12 @@ fn show_sliders(ui: &mut egui::Ui, hand: &mut HandSettings) {
     noise_slider.on_hover_text(text("hand-noise-hint"));
 }
 
-fn show_people(ui: &mut egui::Ui, hand: &mut HandSettings) {
+fn show_people(ui: &mut egui::Ui, hand: &mut HandSettings, replaced: &mut Option<String>) {
     ui.label(text("hand-person"));
     let own = hand.person.is_none();
     if ui.radio(own, text("hand-person-own")).clicked() {
         hand.person = None;
+        *replaced = None;
     }
     let is_shipped = |name: &String| shipped_persons().any(|shipped| shipped == name);
     let file = hand.person.clone().filter(|name| !is_shipped(name));

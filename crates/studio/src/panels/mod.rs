@@ -154,6 +154,8 @@ pub struct PanelState {
     settings: Settings,
     /// The words in the field for the file of a simulated person.
     person_file: String,
+    /// The person of the settings, in whose place the session has another one, until someone else is chosen.
+    pub replaced_person: Option<String>,
     /// The words in the field for the file of a layout.
     layout_file: String,
     /// The window of the devices.
