@@ -409,6 +409,22 @@ fn unsaved_work_is_offered_under_the_name_of_the_last_save() {
 }
 
 #[test]
+fn found_work_waits_for_an_answer_also_after_a_save_under_another_name() {
+    let (folder, path) = file();
+    let recovery = folder.path().join("editor");
+    let leave = |editor: &mut LayoutEditor| move_key(editor, 0, 5.0);
+    assert_eq!(visit(&path, &recovery, leave), None);
+    let (mut editor, work) = reopen(&path, &recovery);
+    assert!(work.is_some());
+    editor.save_as(&folder.path().join("b.ron"), false).unwrap();
+    assert_eq!(editor.found_work(), work.as_ref());
+    editor.discard_found_work();
+    assert_eq!(editor.found_work(), None);
+    drop(editor);
+    assert_eq!(visit(&path, &recovery, |_| {}), None);
+}
+
+#[test]
 fn a_text_without_a_file_is_unsaved() {
     let (folder, path) = file();
     let recovery = folder.path().join("editor");

@@ -34,7 +34,7 @@ pub(super) struct Recovery {
     /// The part of the names of its files that stands for the layout.
     stem: String,
     /// Locks of the file of this run and of the files in `found`.
-    _locks: Vec<LockedFile>,
+    locks: Vec<LockedFile>,
     /// Another editor has the layout open.
     is_open_elsewhere: bool,
     /// Work of earlier runs that is neither restored nor discarded yet, with its files.
@@ -175,7 +175,8 @@ impl LayoutEditor {
         self.keep_work(Vec::new());
     }
 
-    /// Keeps unsaved work under the present name from now on, where the next run looks for it.
+    /// Keeps unsaved work under the present name from now on, where the next run looks for it. Work that was found under the previous
+    /// name still waits for an answer.
     pub(super) fn move_recovery(&mut self) {
         let name = self.file.name();
         let Some(recovery) = &mut self.recovery else {
@@ -185,7 +186,13 @@ impl LayoutEditor {
             return;
         }
         match Recovery::start(&recovery.folder, name, &self.text) {
-            Ok(moved) => *recovery = moved,
+            Ok(mut moved) => {
+                if !recovery.found.is_empty() {
+                    moved.found.append(&mut recovery.found);
+                    moved.locks.append(&mut recovery.locks);
+                }
+                *recovery = moved;
+            }
             Err(failure) => {
                 recovery.move_error = Some(format!(
                     "unsaved work is kept under the previous name: {failure}; save the layout soon: {}",
@@ -247,7 +254,7 @@ impl Recovery {
         Ok(Self {
             folder: folder.to_owned(),
             stem,
-            _locks: slots.locks,
+            locks: slots.locks,
             is_open_elsewhere: slots.is_open_elsewhere,
             found: slots.found,
             jobs: Some(jobs),
