@@ -35,6 +35,11 @@ fn an_error_in_a_sequence_has_its_position() {
             "3:6: `Ctrl+C` is a combination of keys, not a key: `sequences: {\"NAME\": [Tap(\"Ctrl C\")]}` presses it",
         ),
         (
+            "Tap(\"Shift-Left\")".into(),
+            "3:6: `Shift-Left` is a combination of keys, not a key: `sequences: {\"NAME\": [Tap(\"Shift Left\")]}` presses it, \
+             and a key with `action: Sequence(\"NAME\")` starts it; the key is called `ShiftLeft`",
+        ),
+        (
             "Tap(\"Ctrl C Ctrl\")".into(),
             "3:13: duplicate key `Ctrl` in the tap",
         ),

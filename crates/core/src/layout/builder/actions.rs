@@ -71,10 +71,13 @@ impl<'a> LayoutBuilder<'a> {
                     format!("`{code}` is no key: keys are separated by blanks, not by commas");
                 self.error(code, message)
             } else if let Some(keys) = combination(code) {
+                let meant = joined_name(code)
+                    .map(|key| format!("; the key is called `{key}`"))
+                    .unwrap_or_default();
                 let message = format!(
                     "`{code}` is a combination of keys, not a key: \
                      `sequences: {{\"NAME\": [Tap(\"{keys}\")]}}` presses it, \
-                     and a key with `action: Sequence(\"NAME\")` starts it"
+                     and a key with `action: Sequence(\"NAME\")` starts it{meant}"
                 );
                 self.error(code, message)
             } else if error.nearest.is_none() {
@@ -190,6 +193,11 @@ fn combination(text: &str) -> Option<String> {
     let keys: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
     let are_keys = keys.iter().all(|key| key.parse::<KeyCode>().is_ok());
     (keys.len() > 1 && are_keys).then(|| keys.join(" "))
+}
+
+/// Returns the key whose name is `text` without blanks and hyphens, such as `Shift-Left`.
+fn joined_name(text: &str) -> Option<KeyCode> {
+    text.replace([' ', '-'], "").parse().ok()
 }
 
 fn checked_latch(latch: Option<LatchSchema>) -> Latch {
