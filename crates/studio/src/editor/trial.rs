@@ -3,8 +3,9 @@
 use std::time::Duration;
 
 use super::LayoutEditor;
-use ademan_core::document::Document;
+use ademan_core::document::{Document, FileKind};
 use ademan_core::layout::Layout;
+use ademan_runtime::files::OpenDocument;
 use ademan_runtime::session::{LayoutTrial, TrialOutcome};
 
 /// Shortest time between two texts that are tried: each releases everything.
@@ -16,6 +17,8 @@ pub struct EditorTrial {
     file: String,
     /// The text that the session returns to, if its layout is another one than the editor's.
     other: Option<String>,
+    /// The text of the file of that layout, when it was read last.
+    written: Option<String>,
     is_on: bool,
     /// The text that the session has, or has refused.
     tried: String,
@@ -31,6 +34,7 @@ impl EditorTrial {
         Self {
             file: used.file.clone(),
             other: (!is_own).then(|| used.text.clone()),
+            written: read(&used.file),
             is_on,
             tried: used.text.clone(),
             outcome: None,
@@ -43,9 +47,25 @@ impl EditorTrial {
         self.is_on
     }
 
-    /// Lets the session follow the edits, or returns it to the saved text or to the other layout that it had.
+    /// Lets the session follow the edits, or returns it to the saved text or to the other layout that it had, with what was written to its
+    /// file since.
     pub fn set_on(&mut self, is_on: bool) {
+        if !is_on {
+            self.update_other();
+        }
         self.is_on = is_on;
+    }
+
+    /// Replaces the text of the other layout if its file has changed, which the session follows. One that cannot be used changes nothing.
+    fn update_other(&mut self) {
+        let written = read(&self.file);
+        let (Some(other), Some(text)) = (&mut self.other, &written) else {
+            return;
+        };
+        if written != self.written && Layout::parse(text, &self.file).is_ok() {
+            other.clone_from(text);
+            self.written = written;
+        }
     }
 
     /// Sends the text that the session should have, if it has another one. `now` is the time since the start of the window.
@@ -93,6 +113,12 @@ impl EditorTrial {
     }
 }
 
+/// Returns the text of a layout by the name that a session gives it; `None` if it cannot be read.
+fn read(name: &str) -> Option<String> {
+    let document = Document::open_kind(FileKind::Layout, name).ok()?;
+    Some(document.text)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,5 +152,30 @@ mod tests {
         trial.set_on(false);
         let saved = (editor.name(), used.text.as_str());
         assert_eq!(trial.wanted(&editor), Some(saved));
+    }
+
+    #[test]
+    fn a_session_returns_to_what_was_written_to_the_file_of_its_layout() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mine.ron");
+        let name = path.to_str().unwrap();
+        let text = |key: &str| {
+            format!(
+                "Layout(name: \"a\", boards: [(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"{key}\")])])"
+            )
+        };
+        std::fs::write(&path, text("A")).unwrap();
+        let used = Layout::load(name).unwrap();
+        let editor = LayoutEditor::open("numpad", Fit::default()).unwrap();
+        let mut trial = EditorTrial::new(&used, &editor, true);
+        // One that cannot be used is not in the session.
+        for (written, expected) in [("B", "B"), ("NoSuchKey", "B"), ("C", "C")] {
+            std::fs::write(&path, text(written)).unwrap();
+            trial.set_on(false);
+            let content = text(expected);
+            let wanted = (used.file.as_str(), content.as_str());
+            assert_eq!(trial.wanted(&editor), Some(wanted), "{written}");
+            trial.set_on(true);
+        }
     }
 }
