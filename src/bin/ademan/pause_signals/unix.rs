@@ -71,7 +71,7 @@ pub fn install_without_session() -> Result<(), Failure> {
         priority::raise_thread_priority();
         for signal in &mut signals {
             if signal == SIGUSR1 {
-                pause();
+                pause(CommandOrigin::Signal);
             } else {
                 suspend(&last);
             }
@@ -81,13 +81,12 @@ pub fn install_without_session() -> Result<(), Failure> {
     thread.spawn(handle).map(drop).map_err(Failure::no_thread)
 }
 
-/// Pauses the session, if there is one.
-fn pause() {
+/// Pauses the session, if there is one, for a signal or for what acts as one.
+pub fn pause(origin: CommandOrigin) {
     let session = lock_session();
     if let Some(commands) = session.as_ref() {
         // Before another session takes its place, which starts paused if this one was to be paused.
-        let signal = commands.with_origin(CommandOrigin::Signal);
-        let _ = signal.send(Command::Pause);
+        let _ = commands.with_origin(origin).send(Command::Pause);
     }
 }
 

@@ -1,18 +1,25 @@
 //! The session after a change of the setup: its files, the checks of its devices, and its start.
 
 use ademan::capture::{self, SourceUri};
-use ademan::command::Command;
+use ademan::command::{Command, CommandOrigin};
 use ademan::document::Document;
 use ademan::message::escape;
 use ademan::output;
+use ademan::session::panic_keys::{self, PanicKeysWatch};
 use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, Setup, continued_outputs};
+use ademan::studio::StudioError;
 use ademan::studio::headset::HeadsetLink;
 use ademan::studio::simulated::HandControl;
 
-use super::window::{launch, live_options};
+use super::window::{NO_OUTPUT, launch, live_options};
 use super::{headset_link, source};
 use crate::failure::Failure;
+use crate::pause_signals;
+
+/// The reason why a change does not apply that was cancelled.
+pub(super) const CANCELLED: &str =
+    "the change was cancelled before its source and outputs were open";
 
 /// A session whose source and outputs may not be open.
 pub(super) struct Pending {
@@ -59,6 +66,26 @@ impl Pending {
             is_cancelled: false,
         })
     }
+
+    /// Waits for the end of a session that the window does not show, and returns the reason.
+    pub fn reason_of_end(self) -> Failure {
+        match self.session.join() {
+            _ if self.is_cancelled => Failure::job(CANCELLED),
+            Ok(_) => Failure::job(StudioError::Ended.to_string()),
+            Err(error) => error.into(),
+        }
+    }
+}
+
+/// Watches the panic keys of a setup for the session that signals pause, also after its end: a session watches them only while it runs.
+/// `None` if that does not watch them.
+pub(super) fn watch_panic_keys(setup: &Setup) -> Option<PanicKeysWatch> {
+    if setup.output == NO_OUTPUT {
+        return None;
+    }
+    // A session that cannot watch them does not start.
+    let keys = panic_keys::parse_keys(&setup.panic_keys).ok()?;
+    panic_keys::watch(&keys, || pause_signals::pause(CommandOrigin::PanicKeys)).ok()
 }
 
 /// A setup whose files are loaded, for the next session.

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use ademan::command::Command;
 use ademan::output;
+use ademan::session::panic_keys::PanicKeysWatch;
 use ademan::session::{CommandSender, Reply, SessionHandle};
 use ademan::setup::Setup;
 use ademan::studio::first_start::Answers;
@@ -12,7 +13,7 @@ use ademan::studio::setup_change::SetupChange;
 use ademan::studio::{SessionRequest, StudioApp, StudioError};
 
 use super::first;
-use super::next_session::{Next, Pending};
+use super::next_session::{CANCELLED, Next, Pending, watch_panic_keys};
 use super::window::{NO_OUTPUT, live_app};
 use crate::failure::Failure;
 use crate::root_args::RootArgs;
@@ -23,15 +24,14 @@ const START_TIMEOUT: Duration = Duration::from_millis(300);
 /// Time for which each picture waits after that.
 const PICTURE_TIMEOUT: Duration = Duration::from_millis(10);
 
-/// The reason why a change does not apply that was cancelled.
-const CANCELLED: &str = "the change was cancelled before its source and outputs were open";
-
 /// The setup of the window as it was named, and its session, unless that has not started or has ended.
 pub struct Sessions {
     setup: RefCell<Setup>,
     running: RefCell<Option<SessionHandle>>,
     /// The next session, while none runs.
     pending: RefCell<Option<Pending>>,
+    /// Notes panic keys from the end of one session until another one runs.
+    panic_keys: RefCell<Option<PanicKeysWatch>>,
     root: RootArgs,
 }
 
@@ -42,6 +42,7 @@ impl Sessions {
             setup: RefCell::new(setup),
             running: RefCell::new(running),
             pending: RefCell::default(),
+            panic_keys: RefCell::default(),
             root,
         }
     }
@@ -102,6 +103,7 @@ impl Sessions {
         self.root.check(output::has_effect(&next.base.output))?;
         // The checks take time, in which the session may have been paused.
         let was_paused = is_paused || self.is_paused();
+        *self.panic_keys.borrow_mut() = watch_panic_keys(&before);
         let ended = self.end_present();
         let is_paused_now = || was_paused || is_pause_requested(ended.as_ref());
         let launched = Pending::launch(next, || is_paused_now() || needs_resume);
@@ -172,7 +174,7 @@ impl Sessions {
         let shown = if has_started && !pending.is_cancelled {
             self.show(pending)
         } else {
-            Err(reason_of_end(pending))
+            Err(pending.reason_of_end())
         };
         match (shown, back) {
             (Ok(app), _) => Ok(Some(app)),
@@ -186,6 +188,8 @@ impl Sessions {
         let Pending { session, next, .. } = pending;
         let app = live_app(&session, next.hand).map_err(|error| Failure::job(error.to_string()))?;
         self.replace(next.base, session);
+        // The session watches its own.
+        *self.panic_keys.borrow_mut() = None;
         let app = app.with_arm(next.arm.as_ref()).with_headset(next.headset);
         Ok(match pending.refusal {
             Some(reason) => app.with_refusal(reason),
@@ -214,15 +218,6 @@ impl Sessions {
 /// Returns `true` if panic keys or a signal have asked a session to pause, also after its end.
 fn is_pause_requested(ended: Option<&CommandSender>) -> bool {
     ended.is_some_and(CommandSender::is_pause_requested)
-}
-
-/// Waits for the end of a session that the window does not show, and returns the reason.
-fn reason_of_end(pending: Pending) -> Failure {
-    match pending.session.join() {
-        _ if pending.is_cancelled => Failure::job(CANCELLED),
-        Ok(_) => Failure::job(StudioError::Ended.to_string()),
-        Err(error) => error.into(),
-    }
 }
 
 #[cfg(test)]
