@@ -311,3 +311,33 @@ fn a_mixed_number_that_is_passed_through_changes_nothing() {
     window.press(Modifiers::NONE, Key::Tab);
     assert_eq!(window.text().matches(", 7)").count(), 2);
 }
+
+#[test]
+fn a_step_that_is_undone_is_shown_on_its_board() {
+    let second = "        (
+            pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, right_mm: 200, height_mm: -45),
+            keys: [(code: \"C\", at_mm: (0, 0))],
+        ),
+    ],
+)
+";
+    let both = TWO_KEYS.replace("    ],\n)\n", second);
+    let mut window = Window::on_text(&both, 700.0);
+    window.click_board(0.0, 0.0);
+    window.press(Modifiers::NONE, Key::ArrowUp);
+    let moved = window.text();
+    assert_ne!(moved, both);
+    window.panel().leave_plan(1);
+    window.harness.run_steps(2);
+    assert!(window.panel().editor.selection().is_empty());
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), both);
+    assert_eq!(window.panel().board, 0);
+    assert_eq!(window.panel().selected.single(), Some(0));
+    window.press(Modifiers::COMMAND, Key::Y);
+    assert_eq!(window.text(), moved);
+    window.panel().open_plan();
+    window.press(Modifiers::COMMAND, Key::Z);
+    // Delete would remove a key that is not seen.
+    assert_eq!(window.panel().editor.selection(), [Part::Board(0)]);
+}

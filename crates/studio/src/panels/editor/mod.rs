@@ -260,15 +260,36 @@ impl EditorPanel {
     /// Undoes the last edit, and forgets the message about it.
     fn undo(&mut self) {
         self.commit_drafts();
-        self.editor.undo();
+        if self.editor.undo() {
+            self.show_selection();
+        }
         self.message = None;
     }
 
     /// Makes the last undone edit again.
     fn redo(&mut self) {
         self.commit_drafts();
-        self.editor.redo();
+        if self.editor.redo() {
+            self.show_selection();
+        }
         self.message = None;
+    }
+
+    /// Shows the board of what the editor has selected: keys act on it, and an edit that is undone may be one of another board. On the
+    /// plan, the boards themselves are selected.
+    fn show_selection(&mut self) {
+        if self.plan.is_open {
+            self.select_boards();
+            return;
+        }
+        let selection = self.editor.selection().to_vec();
+        let mut boards = selection.iter().filter_map(|part| part.board());
+        let is_shown = boards.clone().any(|board| board == self.board);
+        if let Some(board) = boards.next().filter(|_| !is_shown) {
+            self.show_board(board);
+            self.editor.select(selection);
+            self.select_parts_of_editor();
+        }
     }
 
     /// Selects everything on the board or the plan.

@@ -85,10 +85,15 @@ impl EditorPanel {
         self.cancel_drag();
         self.plan.is_open = true;
         self.plan.is_left = false;
+        self.select_boards();
+        self.selected.clear();
+    }
+
+    /// Selects the boards on which something is selected.
+    pub(super) fn select_boards(&mut self) {
         let selection = self.editor.selection().iter();
         let boards = selection.map(|part| part.board().map_or(*part, Part::Board));
         self.editor.select(boards.collect::<Vec<_>>());
-        self.selected.clear();
     }
 
     /// Shows all boards from a direction.
