@@ -23,8 +23,10 @@ pub enum Gesture {
         /// The start, in millimetres.
         from: Vec2,
     },
-    /// A drag of a handle of the only selected item.
+    /// A drag of a handle of the only selected item from this point.
     Handle {
+        /// The start, in millimetres.
+        from: Vec2,
         /// The item.
         index: usize,
         /// The handle.
@@ -64,7 +66,12 @@ pub fn begin(
         && let Some(item) = items.get(index)
         && let Some(handle) = handles::handle_at(item, point, scale)
     {
-        return Gesture::Handle { index, handle };
+        let from = point;
+        return Gesture::Handle {
+            from,
+            index,
+            handle,
+        };
     }
     if let Some(frame) = group::frame(items, selected)
         && let Some(corner) = group::handle_at(frame, point, scale)
@@ -95,6 +102,16 @@ pub fn begin(
 }
 
 impl Gesture {
+    /// Returns the point at which it has begun, in millimetres.
+    const fn start(&self) -> Vec2 {
+        match self {
+            Self::Band { from, .. }
+            | Self::Move { from }
+            | Self::Handle { from, .. }
+            | Self::Scale { from, .. } => *from,
+        }
+    }
+
     /// Returns the result with the mouse at a point. A rubber band changes the selection at once.
     pub fn preview(
         &self,
@@ -103,6 +120,10 @@ impl Gesture {
         point: Vec2,
         snap: SnapSettings,
     ) -> Preview {
+        if point == self.start() && !matches!(self, Self::Band { .. }) {
+            // A long press counts as a drag: it alone moves nothing to the grid, and no corner to the mouse.
+            return Preview::default();
+        }
         match self {
             Self::Band { from, before } => {
                 let band = Bounds::between(*from, point);
@@ -117,7 +138,7 @@ impl Gesture {
             Self::Scale { from, corner } => {
                 scaled(items, selected, *corner, point - *from, snap.grid_mm)
             }
-            Self::Handle { index, handle } => {
+            Self::Handle { index, handle, .. } => {
                 let shape = items.get(*index).map(|item| {
                     let shape = match handle {
                         Handle::Corner(corner) => {
@@ -230,9 +251,33 @@ mod tests {
     fn a_handle_has_precedence_over_the_key_below_it() {
         let (items, mut selected) = (row(), Selection::default());
         selected.set([0]);
-        let gesture = begin(&items, &mut selected, Vec2::new(8.4, 8.4), 3.0, false);
-        let handle = Handle::Corner(2);
-        assert_eq!(gesture, Gesture::Handle { index: 0, handle });
+        let from = Vec2::new(8.4, 8.4);
+        let gesture = begin(&items, &mut selected, from, 3.0, false);
+        let expected = Gesture::Handle {
+            from,
+            index: 0,
+            handle: Handle::Corner(2),
+        };
+        assert_eq!(gesture, expected);
+    }
+
+    #[test]
+    fn a_press_that_does_not_move_changes_nothing() {
+        let items = [square(0.4, 0.0)];
+        let snap = SnapSettings {
+            grid_mm: 1.0,
+            reach_mm: 2.0,
+        };
+        let mut selected = Selection::default();
+        // The item, and then one of its corners.
+        for from in [Vec2::ZERO, Vec2::new(9.5, 8.0)] {
+            let gesture = begin(&items, &mut selected, from, 3.0, false);
+            let still = gesture.preview(&items, &mut selected, from, snap);
+            assert_eq!(still, Preview::default(), "{from}");
+            let to = from + Vec2::new(3.0, 0.0);
+            let dragged = gesture.preview(&items, &mut selected, to, snap);
+            assert_eq!(dragged.shapes.len(), 1, "{from}");
+        }
     }
 
     #[test]

@@ -94,6 +94,29 @@ fn keys_of_an_arc_are_scaled_along_it() {
 }
 
 #[test]
+fn a_click_on_the_handle_of_a_bend_changes_nothing_and_a_drag_bends() {
+    let text = "Layout(name: \"Arc\", boards: [(
+        pose: (anchor: elbow, forward_mm: 320), shape: Arc(radius_mm: 320),
+        rows: [(at_mm: (0, 0), keys: \"A B C\")],
+    )])";
+    let mut window = Window::on_text(text, 700.0);
+    window.panel().viewport = AreaViewport::fixed(Viewport {
+        center: parry3d::math::Vec2::new(20.0, 0.0),
+        scale: 5.0,
+    });
+    window.harness.run_steps(2);
+    let handle = canvas::bend_handle(window.panel()).unwrap();
+    let beside = window.at(handle.x, handle.y) + vec2(3.0, 3.0);
+    window.click(beside);
+    assert_eq!(window.text(), text);
+    let end = start_drag(&mut window, beside, vec2(0.0, 40.0));
+    window.button(end, false);
+    let bent = window.text();
+    assert_ne!(bent, text);
+    assert!(!bent.contains("radius_mm: 320"), "{bent}");
+}
+
+#[test]
 fn a_key_is_repeated_along_an_arc_from_the_menu_in_one_step_of_undo() {
     let mut window = Window::open();
     window.click_board(0.0, 0.0);

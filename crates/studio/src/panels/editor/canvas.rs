@@ -180,7 +180,15 @@ fn handle_mouse(
     }
     let is_down = ui.input(|input| input.pointer.button_down(PointerButton::Primary));
     if panel.dragged_radius.is_some() {
-        drag_bend(panel, point, is_down);
+        // A press beside the middle of the handle bends nothing.
+        let has_moved =
+            ui.input(|input| input.pointer.press_origin() != input.pointer.interact_pos());
+        if has_moved && response.dragged_by(PointerButton::Primary) {
+            drag_bend(panel, point);
+        }
+        if !is_down {
+            end_bend(panel);
+        }
         return;
     }
     let Some(gesture) = panel.gesture.clone() else {
@@ -324,21 +332,23 @@ impl EditorPanel {
 }
 
 /// Returns the position of the handle that sets the radius of the board.
-fn bend_handle(panel: &EditorPanel) -> Option<Vec2> {
+pub(super) fn bend_handle(panel: &EditorPanel) -> Option<Vec2> {
     let radius = panel.items.radius?;
     let half_width = draw::bend_half_width(&panel.items.items);
     bend::curve(radius, half_width).last().copied()
 }
 
-fn drag_bend(panel: &mut EditorPanel, point: Vec2, is_down: bool) {
+fn drag_bend(panel: &mut EditorPanel, point: Vec2) {
     let half_width = draw::bend_half_width(&panel.items.items);
     let radius = bend::radius_for_drop(half_width, -point.y).round();
     panel.dragged_radius = Some(radius);
-    if !is_down {
-        panel.dragged_radius = None;
-        if panel.items.radius != Some(radius) {
-            panel.apply(&panel.bend_to(radius));
-        }
+}
+
+/// Gives the board the radius of the drag: one step of undo.
+fn end_bend(panel: &mut EditorPanel) {
+    let radius = panel.dragged_radius.take();
+    if let Some(radius) = radius.filter(|_| radius != panel.items.radius) {
+        panel.apply(&panel.bend_to(radius));
     }
 }
 
