@@ -42,6 +42,23 @@ impl EditorTrial {
         }
     }
 
+    /// Keeps the text that the session returns to before another layout is edited in place of this one.
+    pub fn leave(&mut self, editor: &LayoutEditor) {
+        if self.other.is_none() {
+            self.other = Some(editor.saved_text().to_owned());
+        }
+    }
+
+    /// Goes on with another editor after [`leave`](Self::leave). It stays on only if it may be on.
+    #[must_use]
+    pub fn go_on(mut self, editor: &LayoutEditor, may_be_on: bool) -> Self {
+        let is_own =
+            self.file == editor.name() || self.other.as_deref() == Some(editor.saved_text());
+        self.other = self.other.filter(|_| !is_own);
+        self.is_on &= may_be_on;
+        self
+    }
+
     /// Returns `true` if the session follows the edits.
     pub fn is_on(&self) -> bool {
         self.is_on
@@ -152,6 +169,27 @@ mod tests {
         trial.set_on(false);
         let saved = (editor.name(), used.text.as_str());
         assert_eq!(trial.wanted(&editor), Some(saved));
+    }
+
+    #[test]
+    fn a_session_returns_to_its_own_layout_also_after_another_one_is_opened() {
+        let used = Layout::load("qwerty-flat").unwrap();
+        let mut first = LayoutEditor::open("qwerty-flat", Fit::default()).unwrap();
+        first.apply(&Edit::Add(NewPart::Layer)).unwrap();
+        let mut begun = EditorTrial::new(&used, &first, true);
+        begun.leave(&first);
+        let second = LayoutEditor::open("numpad", Fit::default()).unwrap();
+        let mut trial = begun.go_on(&second, true);
+        let edited = (second.name(), second.text());
+        assert_eq!(trial.wanted(&second), Some(edited));
+        trial.set_on(false);
+        let own = (used.file.as_str(), used.text.as_str());
+        assert_eq!(trial.wanted(&second), Some(own));
+        trial.leave(&second);
+        let again = trial.go_on(&first, true);
+        assert!(!again.is_on(), "as it was");
+        let saved = (first.name(), first.saved_text());
+        assert_eq!(again.wanted(&first), Some(saved));
     }
 
     #[test]

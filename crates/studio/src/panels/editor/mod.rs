@@ -115,6 +115,8 @@ pub struct EditorPanel {
     save_as: Option<SaveAs>,
     /// The text in the running session; `None` before the first picture.
     trial: Option<EditorTrial>,
+    /// The trial of the layout that was open before, until the next picture.
+    left_trial: Option<EditorTrial>,
     reach: Option<ReachCheck>,
     /// Time of the next look at the file, in seconds.
     next_poll: f64,
@@ -194,6 +196,7 @@ impl EditorPanel {
             work: None,
             save_as: None,
             trial: None,
+            left_trial: None,
             reach: None,
             next_poll: 0.0,
             next_keep: 0.0,
@@ -390,9 +393,13 @@ pub(super) fn advance_trial(ui: &egui::Ui, panel: &mut EditorPanel, context: &Pa
         return;
     };
     let editor = &panel.editor;
+    let left = panel.left_trial.take();
     let trial = panel.trial.get_or_insert_with(|| {
         let is_on = Typing::new(context.session) == Typing::Nowhere;
-        EditorTrial::new(&context.session.view.layout, editor, is_on)
+        match left {
+            Some(left) => left.go_on(editor, is_on),
+            None => EditorTrial::new(&context.session.view.layout, editor, is_on),
+        }
     });
     let now = Duration::from_secs_f64(ui.input(|input| input.time));
     if let Some(refusal) = trial.advance(now, editor, session) {

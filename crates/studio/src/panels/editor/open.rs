@@ -50,10 +50,15 @@ impl EditorPanel {
     }
 
     fn replace_editor(&mut self, editor: LayoutEditor) {
+        let mut trial = self.trial.take().or_else(|| self.left_trial.take());
+        if let Some(trial) = &mut trial {
+            trial.leave(&self.editor);
+        }
         // Ends the recovery of this layout, whose lock may be the lock of the new one.
         self.editor = LayoutEditor::empty(editor.fit());
         let opened = Self::of(editor, self.work.as_deref());
         *self = opened.with_choices_of(self);
+        self.left_trial = trial;
     }
 
     /// Writes a picture of lines beside the file of the layout.
