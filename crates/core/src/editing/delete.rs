@@ -12,7 +12,8 @@ use crate::document::Node;
 
 /// Deletes parts. Returns no parts.
 pub(super) fn delete(draft: &mut Draft, parts: &[Part]) -> Result<Vec<Part>, EditError> {
-    let parts = without_children(parts);
+    let groups = whole_groups(draft, &without_children(parts));
+    let parts = without_children(&[parts, &groups[..]].concat());
     delete_mentions(draft, &key_names(draft, &parts))?;
     let mut rows: BTreeMap<(usize, usize), BTreeSet<usize>> = BTreeMap::new();
     for &part in &parts {
@@ -36,6 +37,20 @@ pub(super) fn delete(draft: &mut Draft, parts: &[Part]) -> Result<Vec<Part>, Edi
     }
     draft.commit()?;
     Ok(Vec::new())
+}
+
+/// Returns the radio groups of which all options are in parts: a group without options is an error that is not seen on the board.
+fn whole_groups(draft: &Draft, parts: &[Part]) -> Vec<Part> {
+    let mut counts: BTreeMap<Part, usize> = BTreeMap::new();
+    for part in parts {
+        if let Part::RadioOption { .. } = part
+            && let Some(group) = part.parent()
+        {
+            *counts.entry(group).or_default() += 1;
+        }
+    }
+    counts.retain(|group, count| draft.count(*group, "options") == *count);
+    counts.into_keys().collect()
 }
 
 /// Returns the names of the keys in parts.
@@ -75,4 +90,32 @@ fn delete_mentions(draft: &mut Draft, names: &BTreeSet<String>) -> Result<(), Ed
         draft.remove(&lists[list], chord);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_radio_group_is_deleted_with_all_of_its_options() {
+        let text = "(boards: [(
+            radios: [(name: \"R\", options: [(name: \"one\", at_mm: (0, 0)), (name: \"two\", at_mm: (40, 0))])],
+            keys: [(code: \"A\", at_mm: (80, 0))],
+        )])";
+        let options = [0, 1].map(|option| Part::RadioOption {
+            board: 0,
+            radio: 0,
+            option,
+        });
+        let left = |parts: &[Part]| {
+            let mut draft = Draft::new(text).unwrap();
+            delete(&mut draft, parts).unwrap();
+            draft.text().to_owned()
+        };
+        let without = left(&options);
+        assert!(!without.contains("options"), "{without}");
+        assert!(without.contains("code: \"A\""), "{without}");
+        let one = left(&options[1..]);
+        assert!(one.contains("\"one\"") && !one.contains("\"two\""), "{one}");
+    }
 }
