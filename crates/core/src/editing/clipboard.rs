@@ -17,14 +17,24 @@ use crate::layout::quantity::Size;
 pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
     let draft = &Draft::new(text).ok()?;
     let mut lists: BTreeMap<ControlKind, Vec<String>> = BTreeMap::new();
+    let row_key = |board: usize, row: usize, column: usize| -> Option<String> {
+        let source = SourceRow::read(draft, board, row).ok()?;
+        let action = format!("code: {}", quote(source.code(column)?));
+        let key = source.key_with(column, &action, [0.0; 2]);
+        with_size(draft, board, ControlKind::Key, &key).ok()
+    };
     for part in without_children(parts) {
         match part {
             Part::RowKey { board, row, column } => {
-                let source = SourceRow::read(draft, board, row).ok()?;
-                let action = format!("code: {}", quote(source.code(column)?));
-                let key = source.key_with(column, &action, [0.0; 2]);
-                let key = with_size(draft, board, ControlKind::Key, &key).ok()?;
+                let key = row_key(board, row, column)?;
                 lists.entry(ControlKind::Key).or_default().push(key);
+            }
+            Part::Row { board, row } => {
+                let columns = 0..SourceRow::read(draft, board, row).ok()?.len();
+                for column in columns {
+                    let key = row_key(board, row, column)?;
+                    lists.entry(ControlKind::Key).or_default().push(key);
+                }
             }
             Part::Control { board, kind, .. } => {
                 let control_text = draft.node(part).ok()?.text(draft.text());
@@ -224,6 +234,18 @@ mod tests {
             ] {
                 assert!(pasted.contains(&key), "{key}: {pasted}");
             }
+        }
+    }
+
+    #[test]
+    fn a_row_is_copied_as_its_keys() {
+        let row = Part::Row { board: 0, row: 0 };
+        let pasted = carry("rows: [(at_mm: (0, 0), keys: \"A B\")]", &[row], "");
+        for key in [
+            "(code: \"A\", at_mm: (0, 0))",
+            "(code: \"B\", at_mm: (19, 0))",
+        ] {
+            assert!(pasted.contains(key), "{pasted}");
         }
     }
 
