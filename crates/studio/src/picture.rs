@@ -122,6 +122,12 @@ impl Picture {
         let is_hidden =
             |at: Vec2| at.cmpge(low).all() && at.cmple(high).all() && is_inside(outline, at);
         self.labels.retain(|label| {
+            // Most labels are far away, and a text has no more letters than bytes.
+            let farthest = label.right.abs() * (LETTER_REACH * label.text.len() as f32);
+            let [from, to] = [label.position - farthest, label.position + farthest];
+            if !(from.cmple(high).all() && to.cmpge(low).all()) {
+                return true;
+            }
             let reach = label.right * (LETTER_REACH * label.text.chars().count() as f32);
             let points = [-reach, Vec2::ZERO, reach].map(|offset| label.position + offset);
             !points.into_iter().any(is_hidden)
