@@ -62,6 +62,8 @@ mod messages;
 mod new_file;
 mod output_list;
 mod outputs;
+#[cfg(test)]
+mod own_process;
 mod panics;
 mod pause_signals;
 mod person;

@@ -82,11 +82,18 @@ fn check() -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::own_process::has_own_process;
     use crossbeam_channel::bounded;
+
+    const NAME: &str =
+        "panics::tests::a_panic_of_a_detached_thread_stops_the_program_and_is_a_failure";
 
     /// Stands for threads that are never joined, such as the threads of the control socket or a layout file.
     #[test]
     fn a_panic_of_a_detached_thread_stops_the_program_and_is_a_failure() {
+        if !has_own_process(NAME) {
+            return;
+        }
         let (stop, stopped) = bounded(1);
         signals::on_stop(move || _ = stop.try_send(()));
         install_hook();
