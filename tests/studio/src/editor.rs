@@ -178,7 +178,7 @@ fn an_arc_is_unrolled_and_its_keys_are_shown() {
     drag(
         &mut window,
         center + egui::vec2(0.0, -10.0),
-        egui::Vec2::ZERO,
+        egui::vec2(1.0, 0.0),
     );
     let panel = window.workspace();
     picture::compare(&mut window, "studio-editor", panel);
