@@ -347,4 +347,4 @@ impl OutputError {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

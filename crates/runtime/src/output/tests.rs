@@ -22,7 +22,7 @@ pub(super) fn up(micros: u64, name: &str) -> OutputEvent {
 }
 
 /// Waits until another thread has made a condition true. Fails if it does not.
-pub(super) fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
+pub(crate) fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
     let start = std::time::Instant::now();
     while !condition() {
         assert!(start.elapsed().as_secs() < 60, "awaited in vain: {what}");

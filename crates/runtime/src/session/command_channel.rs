@@ -319,15 +319,7 @@ impl Drop for CommandReceiver {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Waits until another thread has made a condition true. Fails if it does not.
-    fn wait_until(what: &str, condition: impl Fn() -> bool) {
-        let start = std::time::Instant::now();
-        while !condition() {
-            assert!(start.elapsed().as_secs() < 60, "awaited in vain: {what}");
-            thread::yield_now();
-        }
-    }
+    use crate::output::tests::wait_until;
 
     #[test]
     fn stop_reaches_a_loop_whose_queue_is_full() {

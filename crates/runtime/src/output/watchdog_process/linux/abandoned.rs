@@ -127,10 +127,10 @@ mod tests {
             file.abandon();
         }
         let release_keys = |abandoned: &AbandonedKeys| {
-            let is_refused = abandoned.keys.contains(key("A"));
-            is_refused
-                .then_some("refused".to_owned())
-                .map_or(Ok(()), Err)
+            if abandoned.keys.contains(key("A")) {
+                return Err("refused".to_owned());
+            }
+            Ok(())
         };
         let records = AbandonedKeys::find_in(&inside, ":7");
         let result = release_records(records, release_keys);
