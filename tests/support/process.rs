@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// The time in which each child process of a test ends, even on a busy machine.
 const LIFETIME: Duration = Duration::from_secs(600);
 
-/// Variables with which a person makes a test longer, and the one that is set in a virtual machine, which has a limit of its own.
+/// Variables of runs that may take longer: a person sets the first two, and `tests/outputs/vm`, which has a limit of its own, the others.
 const NO_LIMIT: [&str; 4] = [
     "ADEMAN_CHAOS_SECONDS",
     "ADEMAN_MINUTES",

@@ -77,7 +77,7 @@ fn side_of_person(name: &str) -> Option<Side> {
     Person::parse(&document).ok()?.side
 }
 
-/// Returns whether a layout uses inputs of a glove; `None` if it cannot be used, which its load reports.
+/// Returns `true` if a layout uses inputs of a glove; `None` if it cannot be used, which its load reports.
 fn uses_inputs(name: &str, fit: Fit) -> Option<bool> {
     let document = Document::open_kind(FileKind::Layout, name).ok()?;
     let layout = Layout::for_hands(document, fit).ok()?;

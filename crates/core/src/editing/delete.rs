@@ -39,7 +39,8 @@ pub(super) fn delete(draft: &mut Draft, parts: &[Part]) -> Result<Vec<Part>, Edi
     Ok(Vec::new())
 }
 
-/// Returns the radio groups of which all options are in parts: a group without options is an error that is not seen on the board.
+/// Returns the radio groups of which all options are among the parts. A group without options would be an error, and the board would
+/// not show it.
 fn whole_groups(draft: &Draft, parts: &[Part]) -> Vec<Part> {
     let mut counts: BTreeMap<Part, usize> = BTreeMap::new();
     for part in parts {

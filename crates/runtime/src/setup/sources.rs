@@ -94,7 +94,7 @@ fn start_stream_in(folder: &Path, stream: &mut StreamUri) {
     if stream.transport.scheme.name == "file" {
         start(&mut stream.address);
     }
-    // The text of a source cannot have it in an option.
+    // An option in the text of a source cannot contain it.
     if folder.to_string_lossy().contains('&') {
         return;
     }

@@ -78,7 +78,7 @@ impl Pending {
 }
 
 /// Watches the panic keys of a setup for the session that signals pause, also after its end: a session watches them only while it runs.
-/// `None` if that does not watch them.
+/// `None` if the session of the setup does not watch any, or they cannot be watched.
 pub(super) fn watch_panic_keys(setup: &Setup) -> Option<PanicKeysWatch> {
     if setup.output == NO_OUTPUT {
         return None;
