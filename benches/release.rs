@@ -48,6 +48,9 @@ mod failure;
 #[path = "../src/bin/ademan/messages/mod.rs"]
 #[allow(dead_code, unused_imports)]
 mod messages;
+#[cfg(all(test, target_os = "linux"))]
+#[path = "../src/bin/ademan/own_process.rs"]
+mod own_process;
 #[cfg(target_os = "linux")]
 #[path = "../src/bin/ademan/panics.rs"]
 #[allow(dead_code, unused_imports)]
