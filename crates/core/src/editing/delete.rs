@@ -42,16 +42,15 @@ pub(super) fn delete(draft: &mut Draft, parts: &[Part]) -> Result<Vec<Part>, Edi
 /// Returns the radio groups of which all options are among the parts. A group without options would be an error, and the board would
 /// not show it.
 fn whole_groups(draft: &Draft, parts: &[Part]) -> Vec<Part> {
-    let mut counts: BTreeMap<Part, usize> = BTreeMap::new();
-    for part in parts {
-        if let Part::RadioOption { .. } = part
-            && let Some(group) = part.parent()
-        {
-            *counts.entry(group).or_default() += 1;
-        }
-    }
-    counts.retain(|group, count| draft.count(*group, "options") == *count);
-    counts.into_keys().collect()
+    let options = parts
+        .iter()
+        .filter(|part| matches!(part, Part::RadioOption { .. }));
+    let groups: BTreeSet<Part> = options.clone().filter_map(|part| part.parent()).collect();
+    let is_whole = |group: &Part| {
+        let own = options.clone().filter(|part| part.parent() == Some(*group));
+        own.count() == draft.count(*group, "options")
+    };
+    groups.into_iter().filter(is_whole).collect()
 }
 
 /// Returns the names of the keys in parts.
