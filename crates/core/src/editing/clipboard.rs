@@ -17,8 +17,7 @@ use crate::layout::quantity::Size;
 pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
     let draft = &Draft::new(text).ok()?;
     let mut lists: BTreeMap<ControlKind, Vec<String>> = BTreeMap::new();
-    let row_key = |board: usize, row: usize, column: usize| -> Option<String> {
-        let source = SourceRow::read(draft, board, row).ok()?;
+    let row_key = |source: &SourceRow, board: usize, column: usize| -> Option<String> {
         let action = format!("code: {}", quote(source.code(column)?));
         let key = source.key_with(column, &action, [0.0; 2]);
         with_size(draft, board, ControlKind::Key, &key).ok()
@@ -26,13 +25,14 @@ pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
     for part in without_children(parts) {
         match part {
             Part::RowKey { board, row, column } => {
-                let key = row_key(board, row, column)?;
+                let source = SourceRow::read(draft, board, row).ok()?;
+                let key = row_key(&source, board, column)?;
                 lists.entry(ControlKind::Key).or_default().push(key);
             }
             Part::Row { board, row } => {
-                let columns = 0..SourceRow::read(draft, board, row).ok()?.len();
-                for column in columns {
-                    let key = row_key(board, row, column)?;
+                let source = SourceRow::read(draft, board, row).ok()?;
+                for column in 0..source.len() {
+                    let key = row_key(&source, board, column)?;
                     lists.entry(ControlKind::Key).or_default().push(key);
                 }
             }
