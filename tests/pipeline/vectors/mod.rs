@@ -9,7 +9,7 @@ mod check;
 mod glove;
 mod joint_angles;
 mod keypad;
-mod markers;
+pub mod markers;
 mod one_euro;
 mod packets;
 mod text_line;
