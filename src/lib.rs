@@ -57,6 +57,8 @@
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
 //! - [`people`], [`phrases`], [`trials`], [`measures`], [`shards`], [`study`] and [`report`] are the lab: simulated people score layouts,
 //!   and real ones in a study.
+//! - [`improve`] changes layouts until these people do better on them, [`import`] reads layouts of other programs, and [`readings`]
+//!   compare the text decoder with simpler ways to read the same taps.
 //! - [`batch`] computes forward kinematics and contact of many hands at once, for simulations.
 //! - `studio`, with the feature of that name, shows a session in a window; it is the crate `ademan_studio`.
 //!

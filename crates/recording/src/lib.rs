@@ -7,6 +7,9 @@
 //!
 //! Recordings of format 1 have messages in JSON outside chunks. They are read and no longer written.
 //!
+//! - [`message`] encodes and decodes messages.
+//! - [`kind`] lists the kinds of setup texts.
+//!
 //! ```
 //! use ademan_recording::{RecordedEvent, Recording, RecordingError};
 //!

@@ -10,10 +10,20 @@
 //!                                     └──▶ scene, camera ──▶ Picture ──▶ panels/space
 //! ```
 //!
-//! The content of the panels is computed without a window and has unit tests: [`model`], [`attached`], [`fingertip`], [`first_start`], [`camera`], [`scene`], [`sensors`],
-//! [`glove_editor`], [`guide`], [`headset`], [`history`], [`lab`], [`overlay`], [`pace`], [`plot`], [`sound`], [`tour`], [`typing`],
-//! [`settings`], [`setup_change`], [`simulated`]. Only `app`, `fonts`, the window of the overlay and the files of
-//! `panels` name egui.
+//! Only `app`, `fonts`, the window of the overlay and the files of `panels` name egui. All else is computed without a window:
+//!
+//! - [`model`] is the latest state of the session, [`attached`] a session in another program. [`latency`], [`history`], [`plot`],
+//!   [`filter_trace`], [`trails`] and [`sensors`] are figures of it, and [`notices`] its messages.
+//! - [`scene`] draws hands and boards, from a [`camera`], into a [`picture`]; [`shapes`] are its meshes, [`marks`] the marks on controls,
+//!   [`pose_picture`] a calibration pose, [`overlay`] a view over other programs. [`pace`] is the time between two pictures.
+//! - [`canvas`] and [`editor`] edit a layout: the picture of a board, and its text. [`lab`] scores it, and [`fingertip`] tries it with the
+//!   mouse.
+//! - [`glove_editor`], [`glove_file`], [`guide`] and [`sensor_control`] calibrate a glove.
+//! - [`playback`] plays recordings. [`simulated`] is the simulated hand, and [`headset`] the link for a headset.
+//! - [`first_start`] and [`tour`] lead through the first start. [`typing`] tells whether other programs are typed into, [`sound`] plays
+//!   clicks.
+//! - [`settings`], [`settings_file`] and [`recent`] are what is remembered, [`setup_change`] changes the setup, and [`texts`] are the words
+//!   on the screen.
 //!
 //! # Adding a panel
 //!
