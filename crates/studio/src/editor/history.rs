@@ -14,8 +14,8 @@ pub(super) struct Step {
     pub selection: [Vec<Part>; 2],
 }
 
-/// Edits before and after the present text. It holds replaced parts of the text, not texts, so that its size is that of
-/// what was typed.
+/// Edits before and after the present text. It holds replaced parts of the text, not whole texts, so it grows by what
+/// is typed only.
 #[derive(Clone, Debug, Default)]
 pub(super) struct History {
     steps: Vec<Step>,

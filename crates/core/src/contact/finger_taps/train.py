@@ -4,7 +4,7 @@
     pip install numpy torch
     python train.py train.json weights.bin
 
-The clips are those of `finger-taps`: 15 pictures of 21 landmarks of a hand, with the fingers that tapped. Networks see the movement of the hand in
+The clips come from `finger-taps`: 15 pictures of 21 landmarks of a hand, with the fingers that tapped. Networks see the movement of the hand in
 breadths of its palm around the moment at which the fingers press, x and y only, as `features.rs` computes it. They tell 32 sets of
 fingers apart: three networks with convolutions over time, and one without. Each step sees other clips: turned, stretched in space and
 time, moved, with noise. Inputs are whitened by their covariance within the sets; the whitening is part of the first weights in the file.
