@@ -131,11 +131,6 @@ impl Capabilities {
         let axes = self.axes.iter().copied().map(Capability::Axis);
         keys.chain(others).chain(axes)
     }
-
-    /// Iterates over the capabilities of this set that `offered` lacks.
-    pub fn missing_from<'a>(&'a self, offered: &'a Self) -> impl Iterator<Item = Capability> + 'a {
-        self.iter().filter(|&required| !offered.contains(required))
-    }
 }
 
 impl Extend<Capability> for Capabilities {
@@ -187,8 +182,6 @@ mod tests {
         assert!(set.iter().eq(ordered));
         assert!(inserted.iter().all(|it| set.contains(*it)));
         assert!(!set.contains(key("B")) && !set.contains(Capability::Axis(Axis::TurnX)));
-        assert!(set.missing_from(&Capabilities::default()).eq(ordered));
-        assert_eq!(set.missing_from(&set).count(), 0);
     }
 
     #[test]

@@ -431,21 +431,6 @@ impl Layout {
         self.keys.get(index.ok()?)
     }
 
-    /// Returns the board of a key.
-    ///
-    /// # Panics
-    /// Panics if the key belongs to another layout.
-    pub fn board_of_key(&self, key: &Key) -> &Board {
-        let target = key.face.target;
-        let has_key = |board: &&Board| {
-            self.keys[board.keys.clone()]
-                .iter()
-                .any(|own| own.face.target == target)
-        };
-        let board = self.boards.iter().find(has_key);
-        board.expect("every key of a layout is on a board")
-    }
-
     /// Returns the label of a key with this action and without a label of its own.
     pub(super) fn action_label(&self, action: KeyAction) -> &str {
         let multitaps = &self.multitaps.keys;

@@ -53,14 +53,6 @@ impl Measure {
         }
     }
 
-    /// Returns `true` if a higher figure is better.
-    pub fn is_higher_better(self) -> bool {
-        matches!(
-            self,
-            Self::WordsPerMinute | Self::TaskPoints | Self::Throughput
-        )
-    }
-
     fn of(self, people: &[&PersonScore]) -> f64 {
         let sum = |value: fn(&PersonScore) -> f64| people.iter().map(|it| value(it)).sum::<f64>();
         let count = people.len() as f64;

@@ -12,8 +12,8 @@
 //! # For a view
 //!
 //! - [`LayoutEditor::open`] opens a file; a layout that comes with the program is opened as an unsaved copy.
-//! - A click on a [`TargetId`] of [`LayoutEditor::layout`] selects [`LayoutEditor::part_of`]; [`LayoutEditor::targets_of`] is the
-//!   way back, and [`Part::board`] tells the board. [`LayoutEditor::unplaced`] are the controls of the text that are not in
+//! - A click on a [`TargetId`] of [`LayoutEditor::layout`] selects [`LayoutEditor::part_of`], and [`Part::board`] tells the
+//!   board. [`LayoutEditor::unplaced`] are the controls of the text that are not in
 //!   the layout because of an error, as far as their places are written.
 //! - [`LayoutEditor::apply`] makes an edit, which is one step of [`undo`](LayoutEditor::undo). While a drag lasts,
 //!   [`LayoutEditor::amend`] replaces the last edit by one with the whole distance of the drag, so that a drag is one step.
@@ -236,16 +236,6 @@ impl LayoutEditor {
         let mut missing = editing::targets(&self.text, tree);
         missing.retain(|part| part.board() == Some(board) && !placed.contains(part));
         editing::places(&self.text, missing)
-    }
-
-    /// Returns the targets of a part: one, all of a row, board or radio group, or none.
-    pub fn targets_of(&self, part: Part) -> Vec<TargetId> {
-        let ancestors = |own: Part| std::iter::successors(Some(own), |child| child.parent());
-        let targets = self.layout_targets.iter().enumerate();
-        targets
-            .filter(|(_, own)| ancestors(**own).any(|own| own == part))
-            .map(|(index, _)| TargetId(index as u32))
-            .collect()
     }
 
     /// Returns the part at a byte of the text, such as the byte at the cursor.
