@@ -213,7 +213,7 @@ impl<'a> Rig<'a> {
         for (name, count) in [
             ("skipped", skipped),
             ("stalls", self.pipeline.stalls()),
-            ("withheld", self.pipeline.suppressed().total()),
+            ("suppressed", self.pipeline.suppressed().total()),
         ] {
             if count > 0 {
                 stats.push(format!("{name} {count}"));

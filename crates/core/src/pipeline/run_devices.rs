@@ -63,7 +63,7 @@ impl Pipeline {
             // A letter, or a key or button that may have moved the cursor.
             self.is_inside_word = Some(!types_blank(last.kind));
         }
-        layout.suppress_keys(self.gate.withheld_keys());
+        layout.suppress_keys(self.gate.suppressed_keys());
         if self.gate.suppressed().system_keys > system_keys {
             // The keys that follow would act without the suppressed one.
             layout.abandon_sequence();

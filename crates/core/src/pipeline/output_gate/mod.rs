@@ -43,7 +43,7 @@ pub(super) struct OutputGate {
     allow_system_keys: bool,
     pressed: PressedKeys,
     /// The keys whose press the last call of [`filter`](Self::filter) suppressed, or that it released early.
-    withheld: PressedKeys,
+    suppressed_keys: PressedKeys,
     /// The keys whose release has not fitted into a list of events yet.
     overdue: PressedKeys,
     suppressed: Suppressed,
@@ -57,7 +57,7 @@ impl OutputGate {
             sources: vec![SourceState::new(permissions)],
             allow_system_keys,
             pressed: PressedKeys::default(),
-            withheld: PressedKeys::default(),
+            suppressed_keys: PressedKeys::default(),
             overdue: PressedKeys::default(),
             suppressed: Suppressed::default(),
         }
@@ -78,7 +78,7 @@ impl OutputGate {
         mut added: usize,
         events: &mut Events,
     ) -> [bool; Side::COUNT] {
-        self.withheld = PressedKeys::default();
+        self.suppressed_keys = PressedKeys::default();
         let mut is_within_limit = [true; Side::COUNT];
         let (mut index, mut kept) = (first, first);
         let mut last_character = None;
@@ -120,7 +120,7 @@ impl OutputGate {
             };
             match event.kind {
                 EventKind::KeyDown(key) if is_allowed => _ = self.pressed.press(key),
-                EventKind::KeyDown(key) => _ = self.withheld.press(key),
+                EventKind::KeyDown(key) => _ = self.suppressed_keys.press(key),
                 EventKind::Character(_) if !is_added => last_character = Some(event.time),
                 _ => {}
             }
@@ -159,9 +159,9 @@ impl OutputGate {
 
     /// Iterates over the keys that are up because the last call of [`filter`](Self::filter) suppressed their press or released them
     /// early.
-    pub(super) fn withheld_keys(&self) -> impl Iterator<Item = KeyCode> + '_ {
-        let withheld = self.withheld.release_order();
-        withheld.filter(|&key| !self.pressed.contains(key))
+    pub(super) fn suppressed_keys(&self) -> impl Iterator<Item = KeyCode> + '_ {
+        let keys = self.suppressed_keys.release_order();
+        keys.filter(|&key| !self.pressed.contains(key))
     }
 
     /// Changes the role of all sources. Everything must have been released before.
@@ -249,8 +249,8 @@ impl OutputGate {
             return false;
         };
         let completes_chord = !self.allow_system_keys && self.completes_system_chord(key);
-        let is_withheld = !key.is_modifier() || !self.sources[source].role.allows_keys();
-        if !completes_chord || is_withheld {
+        let is_suppressed = !key.is_modifier() || !self.sources[source].role.allows_keys();
+        if !completes_chord || is_suppressed {
             return false;
         }
         let mut pressed = self.pressed.release_order();
@@ -264,7 +264,7 @@ impl OutputGate {
         let is_inserted = events.try_insert(index, release).is_ok();
         if is_inserted {
             self.suppressed.system_keys += 1;
-            self.withheld.press(acting);
+            self.suppressed_keys.press(acting);
         }
         is_inserted
     }

@@ -323,7 +323,11 @@ fn a_press_is_judged_by_the_source_of_its_hand() {
         let mut events: Events = lines.iter().map(|line| event(1, line)).collect();
         let hand_of = |kind| usize::from(kind == of_second);
         let is_within_limit = gate.filter(hand_of, 0, 0, &mut events);
-        (is_within_limit, events.len(), gate.withheld_keys().count())
+        (
+            is_within_limit,
+            events.len(),
+            gate.suppressed_keys().count(),
+        )
     };
     assert_eq!(
         step(&["down A", "down B", "down MouseLeft"]),
@@ -336,10 +340,10 @@ fn a_press_is_judged_by_the_source_of_its_hand() {
 }
 
 #[test]
-fn a_key_that_is_down_after_all_is_not_withheld() {
+fn a_key_that_is_down_after_all_is_not_suppressed() {
     let mut gate = gate(60);
-    let withheld = |tested: &OutputGate| {
-        let keys = tested.withheld_keys().map(|key| key.to_string());
+    let suppressed = |tested: &OutputGate| {
+        let keys = tested.suppressed_keys().map(|key| key.to_string());
         keys.collect::<Vec<_>>()
     };
     filter(
@@ -347,11 +351,11 @@ fn a_key_that_is_down_after_all_is_not_withheld() {
         1,
         &["down Delete", "down ControlLeft", "down AltLeft"],
     );
-    assert_eq!(withheld(&gate), ["Delete"], "it was released early");
+    assert_eq!(suppressed(&gate), ["Delete"], "it was released early");
     filter(&mut gate, 2, &["down MetaLeft"]);
-    assert_eq!(withheld(&gate), ["MetaLeft"]);
+    assert_eq!(suppressed(&gate), ["MetaLeft"]);
     filter(&mut gate, 3, &["down ControlLeft"]);
-    assert_eq!(withheld(&gate), [""; 0], "it is down");
+    assert_eq!(suppressed(&gate), [""; 0], "it is down");
 }
 
 #[test]
