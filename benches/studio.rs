@@ -1,8 +1,8 @@
-//! The window of Studio: time to the first picture, pictures per second, processor time and memory, and the delay of events
+//! The window of Studio: time to the first frame, frames per second, processor time and memory, and the delay of events
 //! with and without it.
 //!
 //! The program draws on an X server without a graphics card (`LIBGL_ALWAYS_SOFTWARE`), so the figures stand for the
-//! slowest machine. Mesa counts the pictures (`GALLIUM_HUD`). A glove types on a pseudo terminal.
+//! slowest machine. Mesa counts the frames (`GALLIUM_HUD`). A glove types on a pseudo terminal.
 //!
 //! Prints tables. Without `--bench` (as in `cargo test --benches`) each row takes a moment only. Needs `--features studio`.
 

@@ -28,7 +28,7 @@ pub fn print(server: &XServer, is_test: bool) {
     let keys = folder.path().join("keys.ron");
     write_layout(&keys);
     let keys = keys.to_str().expect("a folder with a plain name");
-    println!("| window | first picture | pictures per second | of a core | memory | peak |");
+    println!("| window | first frame | frames per second | of a core | memory | peak |");
     println!("|---|---|---|---|---|---|");
     println!("| goal | 1 s | 20; 10 with 10 000 keys | 100 % | 250 MB | 250 MB |");
     row("the simulated hand", &Window::open(server, []), time);
@@ -49,7 +49,7 @@ fn row(name: &str, window: &Window, time: Duration) {
     println!(
         "| {name} | {:.2} s | {:.1} | {:.0} % | {:.0} MB | {:.0} MB |",
         window.opening.as_secs_f64(),
-        usage.pictures_per_s,
+        usage.frames_per_s,
         usage.processor * 1e2,
         usage.memory_mb,
         usage.peak_mb

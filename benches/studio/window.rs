@@ -17,7 +17,7 @@ use super::support::x11::{XServer, wait_for};
 /// Width, height and depth of the screen, which the window fills.
 pub const SCREEN: &str = "1280x800x24";
 
-/// The part of the 3D view in which the first picture is awaited: left edge, top, width, height.
+/// The part of the 3D view in which the first frame is awaited: left edge, top, width, height.
 const MIDDLE: (i16, i16, u16, u16) = (300, 200, 200, 150);
 
 /// Fewest colours of a part of a picture with keys or a hand; before it, the window has one.
@@ -29,15 +29,15 @@ const TICKS_PER_SECOND: f64 = 100.0;
 /// A running Studio.
 pub struct Window {
     process: Process,
-    /// The counts of pictures, and the settings of the window.
+    /// The counts of frames, and the settings of the window.
     folder: TempDir,
-    /// Time from the start of the program to the first picture.
+    /// Time from the start of the program to the first frame.
     pub opening: Duration,
 }
 
-/// The pictures of a window, and its share of the machine.
+/// The frames of a window, and its share of the machine.
 pub struct Usage {
-    pub pictures_per_s: f64,
+    pub frames_per_s: f64,
     /// Processor time per time.
     pub processor: f64,
     pub memory_mb: f64,
@@ -85,22 +85,22 @@ impl Window {
 
     /// Observes the window for a time.
     pub fn observe(&self, time: Duration) -> Usage {
-        let pictures = self.picture_rates().len();
+        let frames = self.frame_rates().len();
         let (start, ticks) = (Instant::now(), self.ticks());
         thread::sleep(time);
         let ticks = self.ticks() - ticks;
         let seconds = start.elapsed().as_secs_f64();
-        let rates = self.picture_rates().split_off(pictures);
+        let rates = self.frame_rates().split_off(frames);
         Usage {
-            pictures_per_s: rates.iter().sum::<f64>() / rates.len() as f64,
+            frames_per_s: rates.iter().sum::<f64>() / rates.len() as f64,
             processor: ticks / TICKS_PER_SECOND / seconds,
             memory_mb: self.status_mb("VmRSS:"),
             peak_mb: self.status_mb("VmHWM:"),
         }
     }
 
-    /// Returns the pictures per second of each half second so far.
-    fn picture_rates(&self) -> Vec<f64> {
+    /// Returns the frames per second of each half second so far.
+    fn frame_rates(&self) -> Vec<f64> {
         let rates = fs::read_to_string(self.folder.path().join("fps")).unwrap_or_default();
         let rates = rates.lines().filter_map(|line| line.parse().ok());
         rates.collect()

@@ -114,7 +114,7 @@ impl Guide {
         }
     }
 
-    /// Moves the simulated person on by the time since the last picture.
+    /// Moves the simulated person on by the time since the last frame.
     pub fn advance(&mut self, elapsed: Duration) {
         let Some(mut person) = self.person.take() else {
             return;
@@ -312,11 +312,11 @@ mod tests {
     fn a_demonstration_takes_all_poses_by_itself() {
         let mut guide = Guide::demonstration(&editor(), 1);
         let count = guide.poses().count();
-        let pictures = (0..20_000).take_while(|_| {
+        let frames = (0..20_000).take_while(|_| {
             guide.advance(STEP);
             guide.result().is_none()
         });
-        let seconds = pictures.count() as f32 * STEP.as_secs_f32();
+        let seconds = frames.count() as f32 * STEP.as_secs_f32();
         assert!((40.0..120.0).contains(&seconds), "{seconds} s");
         let taken = guide.poses().filter(|(_, it)| *it == PoseProgress::Taken);
         assert_eq!(taken.count(), count);

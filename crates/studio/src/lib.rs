@@ -15,7 +15,7 @@
 //! - [`model`] is the latest state of the session, [`attached`] a session in another program. [`latency`], [`history`], [`plot`],
 //!   [`filter_trace`], [`trails`] and [`sensors`] are figures of it, and [`notices`] its messages.
 //! - [`scene`] draws hands and boards, from a [`camera`], into a [`picture`]; [`shapes`] are its meshes, [`marks`] the marks on controls,
-//!   [`pose_picture`] a calibration pose, [`overlay`] a view over other programs. [`pace`] is the time between two pictures.
+//!   [`pose_picture`] a calibration pose, [`overlay`] a view over other programs. [`pace`] is the time between two frames.
 //! - [`canvas`] and [`editor`] edit a layout: the picture of a board, and its text. [`lab`] scores it, and [`fingertip`] tries it with the
 //!   mouse.
 //! - [`glove_editor`], [`glove_file`], [`guide`] and [`sensor_control`] calibrate a glove.

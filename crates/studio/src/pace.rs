@@ -1,23 +1,23 @@
-//! The time between two pictures.
+//! The time between two frames.
 
 use std::time::Duration;
 
-/// Shortest time from one picture to the next: 60 per second.
+/// Shortest time from one frame to the next: 60 per second.
 const PERIOD: Duration = Duration::from_micros(16_667);
 
-/// Shortest time from one picture to the next without a graphics card: 25 per second. Mesa takes more than a core for 40.
+/// Shortest time from one frame to the next without a graphics card: 25 per second. Mesa takes more than a core for 40.
 const SOFTWARE_PERIOD: Duration = Duration::from_millis(40);
 
-/// Time from one picture to the next while nothing changes.
+/// Time from one frame to the next while nothing changes.
 const IDLE_PERIOD: Duration = Duration::from_millis(200);
 
 /// Time without changes after which a session counts as idle, in seconds. Until then plots and trails move on.
 const IDLE_AFTER: f64 = 1.0;
 
-/// Shortest pause in percent of the cost of a picture. The cost lacks the time in which Mesa fills the picture.
+/// Shortest pause in percent of the cost of a frame. The cost lacks the time in which Mesa fills the frame.
 const REST_PERCENT: u32 = 150;
 
-/// Decides when the next picture is drawn.
+/// Decides when the next frame is drawn.
 #[derive(Debug)]
 pub struct Pace {
     period: Duration,
@@ -34,7 +34,7 @@ impl Pace {
         }
     }
 
-    /// Returns the pause after a picture that is drawn at `now`, in seconds; `cost` is the processor time of the one before.
+    /// Returns the pause after a frame that is drawn at `now`, in seconds; `cost` is the processor time of the one before.
     ///
     /// Input ends a pause.
     pub fn pause(&mut self, now: f64, has_changed: bool, cost: Duration) -> Duration {
@@ -57,13 +57,13 @@ mod tests {
     const MS: Duration = Duration::from_millis(1);
 
     #[test]
-    fn a_session_that_changes_has_sixty_pictures_per_second() {
+    fn a_session_that_changes_has_sixty_frames_per_second() {
         let pause = Pace::new(true).pause(9.0, true, 3 * MS);
         assert_eq!(pause + 3 * MS, PERIOD);
     }
 
     #[test]
-    fn a_window_without_a_graphics_card_has_fewer_pictures() {
+    fn a_window_without_a_graphics_card_has_fewer_frames() {
         let pause = Pace::new(false).pause(9.0, true, 3 * MS);
         assert_eq!(pause + 3 * MS, SOFTWARE_PERIOD);
     }
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn an_idle_session_has_few_pictures_until_something_changes() {
+    fn an_idle_session_has_few_frames_until_something_changes() {
         let mut pace = Pace::new(true);
         assert!(pace.pause(5.0, true, MS) < PERIOD);
         assert!(pace.pause(5.9, false, MS) < PERIOD);

@@ -49,7 +49,7 @@ pub struct Column {
     pub max: f32,
 }
 
-/// Reduces a line to at most one [`Column`] per pixel, so that the cost of a picture does not depend on the rate of readings and
+/// Reduces a line to at most one [`Column`] per pixel, so that the cost of a frame does not depend on the rate of readings and
 /// no peak is lost.
 ///
 /// `values` are times in seconds, ascending, with a value; NaN is no value. The time `from` is at the left end of the first of

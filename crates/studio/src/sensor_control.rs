@@ -20,8 +20,8 @@ use ademan_runtime::files;
 use ademan_runtime::session::{RequestError, SensorLink};
 use ademan_runtime::setup::LoadedSetup;
 
-/// Time between two measurements of the lag, in pictures.
-const LAG_PICTURES: u32 = 30;
+/// Time between two measurements of the lag, in frames.
+const LAG_FRAMES: u32 = 30;
 
 /// Returns `true` if a source is a simulated hand.
 fn is_simulated(source: &SourceUri) -> bool {
@@ -43,7 +43,7 @@ pub struct SensorControl {
     traced: usize,
     trace: FilterTrace,
     lag: Option<Duration>,
-    pictures: u32,
+    frames: u32,
     /// The guided calibration.
     pub guide: Option<Guide>,
     /// The session was not paused before the guided calibration, which ends the pause.
@@ -77,7 +77,7 @@ impl SensorControl {
             traced: 0,
             trace: FilterTrace::default(),
             lag: None,
-            pictures: 0,
+            frames: 0,
             guide: None,
             ends_pause: false,
             question: None,
@@ -156,15 +156,15 @@ impl SensorControl {
         is_known.then(|| (raw, filtered.get(row.dof).to_degrees()))
     }
 
-    /// Moves a demonstration on, and sends a change to the session. `elapsed` is the time since the last picture.
+    /// Moves a demonstration on, and sends a change to the session. `elapsed` is the time since the last frame.
     pub fn advance(&mut self, elapsed: Duration, table: &mut SensorTable) {
         if let Some(guide) = &mut self.guide {
             guide.advance(elapsed);
         }
-        if self.pictures.is_multiple_of(LAG_PICTURES) {
+        if self.frames.is_multiple_of(LAG_FRAMES) {
             self.lag = self.trace.lag();
         }
-        self.pictures = self.pictures.wrapping_add(1);
+        self.frames = self.frames.wrapping_add(1);
         if std::mem::take(&mut self.is_change_due) {
             self.send(table);
         }
@@ -193,7 +193,7 @@ impl SensorControl {
         self.editor.as_ref().is_some_and(GloveEditor::is_changed)
     }
 
-    /// Changes the glove, and the session with the next picture if that has an effect.
+    /// Changes the glove, and the session with the next frame if that has an effect.
     pub fn edit(&mut self, change: impl FnOnce(&mut GloveEditor)) {
         let Some(editor) = &mut self.editor else {
             return;

@@ -46,7 +46,7 @@ pub const STEPS: [TourStep; 5] = [
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tour {
     index: Option<usize>,
-    /// Area of what the step explains, in the picture that is being drawn.
+    /// Area of what the step explains, in the frame that is being drawn.
     area: Option<Rect>,
 }
 

@@ -299,7 +299,7 @@ fn first_finger(phase: TouchPhase, pos: Pos2) -> Vec<Event> {
     [vec![touch(1, phase, pos)], as_pointer].concat()
 }
 
-/// Sends events for the same picture, and draws it.
+/// Sends events for the same frame, and draws it.
 fn send(window: &mut StudioWindow, events: impl IntoIterator<Item = Event>) {
     window.harness.input_mut().events.extend(events);
     window.draw(1);
@@ -337,7 +337,7 @@ fn a_tap_that_is_shorter_than_the_way_of_the_finger_types_its_key() {
         send(&mut window, first_finger(TouchPhase::End, at));
         rest(&mut window);
     }
-    // The finger comes and goes between two pictures.
+    // The finger comes and goes between two frames.
     let target = key(&window, "D");
     let at = place(&mut window, target, 0.0);
     let tap = [TouchPhase::Start, TouchPhase::End].map(|phase| first_finger(phase, at));

@@ -118,7 +118,7 @@ fn the_panel_is_as_reviewed() {
     }
     .open();
     window.click(text("joint-elbow"));
-    // The lag is measured again every 30 pictures.
+    // The lag is measured again every 30 frames.
     window.draw(30);
     let panel = window.panel(text("panel-sensors"));
     // Rate and latency differ in each run.

@@ -24,7 +24,7 @@ use crate::played_hand::PlayedHand;
 /// a busy machine needs many times what it needs for one.
 pub const TIMEOUT: Duration = Duration::from_secs(120);
 
-/// Time between two pictures while a test waits.
+/// Time between two frames while a test waits.
 const PICTURE_PERIOD: Duration = Duration::from_millis(10);
 
 /// Height of the status line, in points.
@@ -190,7 +190,7 @@ impl StudioWindow {
         assert!(trial.start(file, edited).is_some());
     }
 
-    /// Draws `count` pictures.
+    /// Draws `count` frames.
     pub fn draw(&mut self, count: usize) {
         self.harness.run_steps(count);
     }
@@ -322,12 +322,12 @@ impl StudioWindow {
         self.press_key(egui::Key::Escape);
     }
 
-    /// Draws pictures until the state that the window shows is as `condition` says.
+    /// Draws frames until the state that the window shows is as `condition` says.
     pub fn wait_for(&mut self, what: &str, condition: impl Fn(&StudioModel) -> bool) {
         self.draw_until(what, |window| condition(window.model()));
     }
 
-    /// Draws pictures until the window is as `condition` says.
+    /// Draws frames until the window is as `condition` says.
     pub fn draw_until(&mut self, what: &str, condition: impl Fn(&Self) -> bool) {
         let deadline = Instant::now() + TIMEOUT;
         while !condition(self) {

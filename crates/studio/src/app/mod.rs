@@ -58,7 +58,7 @@ pub struct StudioApp {
     settings_file: SettingsFile,
     /// Clicks on presses; without it Studio is silent.
     sound: Option<Sound>,
-    /// The last picture shows something that the one before did not, even without input.
+    /// The last frame shows something that the one before did not, even without input.
     has_changed: bool,
 }
 
@@ -161,7 +161,7 @@ impl StudioApp {
         self.panels.settings()
     }
 
-    /// Prepares a window for the first picture.
+    /// Prepares a window for the first frame.
     pub fn prepare(context: &egui::Context) {
         context.set_fonts(fonts());
     }
@@ -222,7 +222,7 @@ impl StudioApp {
         self.panels.edit(name, self.model.view.layout.fit)
     }
 
-    /// Draws one picture.
+    /// Draws one frame.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let elapsed = Duration::from_secs_f32(ui.input(|input| input.unstable_dt));
         self.advance(elapsed);
@@ -343,7 +343,7 @@ impl StudioApp {
         }
     }
 
-    /// Receives what the session has sent since the last picture. Does not wait. Returns `false` if that is nothing.
+    /// Receives what the session has sent since the last frame. Does not wait. Returns `false` if that is nothing.
     fn receive(&mut self) -> bool {
         if let Some(attached) = &self.attached {
             self.panels.message = attached.next_reason().or(self.panels.message.take());

@@ -27,7 +27,7 @@ pub enum SessionRequest<'a> {
 /// The program for a session, or the reason why there is none. `None` while the session has not started.
 type Opened = Result<Option<StudioApp>, String>;
 
-/// Starts a session, and may wait for it as long as a picture may take.
+/// Starts a session, and may wait for it as long as a frame may take.
 type OpenSession<'a> = Box<dyn FnMut(SessionRequest) -> Opened + 'a>;
 
 /// The program in a window, or the pages of the first start before it.
@@ -81,7 +81,7 @@ impl<'a> StudioStart<'a> {
         self.app.as_mut()
     }
 
-    /// Draws one picture.
+    /// Draws one frame.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         if let Some(app) = &mut self.app {
             // The key of a pause: the program takes it, and its session has ended.
@@ -153,7 +153,7 @@ impl<'a> StudioStart<'a> {
         let Some(app) = &mut self.app else {
             return;
         };
-        // The next picture comes soon.
+        // The next frame comes soon.
         app.has_changed = true;
         match opened {
             Ok(None) => {}

@@ -15,7 +15,7 @@ use ademan_runtime::priority;
 /// Size of the window at the first start, in points.
 const WINDOW_SIZE: [f32; 2] = [1280.0, 800.0];
 
-/// Time between two pictures of the first start, in which only what was found changes.
+/// Time between two frames of the first start, in which only what was found changes.
 const FIRST_PERIOD: Duration = Duration::from_millis(100);
 
 /// Smallest size of the window, in points.
@@ -61,7 +61,7 @@ impl eframe::App for Window<'_> {
     }
 }
 
-/// Returns `true` in the first picture, whose sizes are not yet in points of the scale of the window.
+/// Returns `true` in the first frame, whose sizes are not yet in points of the scale of the window.
 fn is_first_picture(context: &egui::Context) -> bool {
     context.cumulative_frame_nr() == 0
 }
@@ -139,7 +139,7 @@ pub(crate) fn run_window(
     options: eframe::NativeOptions,
     create: eframe::AppCreator<'_>,
 ) -> Result<(), StudioError> {
-    // Mesa fills a picture for longer than a press may wait.
+    // Mesa fills a frame for longer than a press may wait.
     priority::shorten_time_slice();
     eframe::run_native(title, options, create).map_err(window_error)
 }
@@ -189,7 +189,7 @@ pub(super) fn place_of_window(context: &egui::Context) -> Option<WindowPlace> {
 mod tests {
     use super::*;
 
-    /// Returns the input of a picture of a window with this size on a screen, both in points of a scale.
+    /// Returns the input of a frame of a window with this size on a screen, both in points of a scale.
     fn input(window: [f32; 2], screen: [f32; 2], scale: f32) -> egui::RawInput {
         let size = egui::Vec2::from(window) / scale;
         let area = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
@@ -203,7 +203,7 @@ mod tests {
         input
     }
 
-    /// Returns the sizes that a window asks for in a picture.
+    /// Returns the sizes that a window asks for in a frame.
     fn sizes(output: &egui::FullOutput) -> Vec<egui::Vec2> {
         let root = &output.viewport_output[&egui::ViewportId::ROOT];
         let commands = root.commands.iter();
@@ -214,7 +214,7 @@ mod tests {
         sizes.collect()
     }
 
-    /// Returns the size in pixels that a window of this size in pixels asks for, if any, in its first two pictures.
+    /// Returns the size in pixels that a window of this size in pixels asks for, if any, in its first two frames.
     fn asked_at(
         window: [f32; 2],
         screen: [f32; 2],
@@ -222,7 +222,7 @@ mod tests {
     ) -> Option<egui::Vec2> {
         let context = egui::Context::default();
         context.set_zoom_factor(scale);
-        // The toolkit measures the first picture before the window has its scale.
+        // The toolkit measures the first frame before the window has its scale.
         let first = context.run_ui(input(window, screen, 1.0), |ui| {
             assert!(!fit_to_screen(ui.ctx()));
             assert_eq!(place_of_window(ui.ctx()), None);

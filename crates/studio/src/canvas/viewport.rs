@@ -83,7 +83,7 @@ impl Viewport {
 /// pans, zooms or edits: what is below the mouse then stays there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AreaViewport {
-    /// The viewport of the last picture; `None` until the next one, which shows everything.
+    /// The viewport of the last frame; `None` until the next one, which shows everything.
     viewport: Option<Viewport>,
     /// The size of the area and the revision of the text for which it shows everything; `None` once it was chosen.
     fitted: Option<(Vec2, u64)>,
@@ -120,7 +120,7 @@ impl AreaViewport {
         self.viewport.unwrap_or_default()
     }
 
-    /// Returns the viewport of the last picture; `None` if the next one shows everything.
+    /// Returns the viewport of the last frame; `None` if the next one shows everything.
     pub fn viewport(&self) -> Option<Viewport> {
         self.viewport
     }
@@ -132,12 +132,12 @@ impl AreaViewport {
         }
     }
 
-    /// Returns the part of the board in the last picture, which had this size.
+    /// Returns the part of the board in the last frame, which had this size.
     pub fn visible(&self, size: Option<Vec2>) -> Option<Bounds> {
         Some(self.viewport?.visible(size?))
     }
 
-    /// Returns the point in the middle of the last picture, in millimetres.
+    /// Returns the point in the middle of the last frame, in millimetres.
     pub fn center(&self) -> Option<Vec2> {
         self.viewport.map(|viewport| viewport.center)
     }

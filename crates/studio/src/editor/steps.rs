@@ -18,7 +18,7 @@ impl LayoutEditor {
         let Some(step) = self.history.last().cloned() else {
             return self.apply(edit);
         };
-        // The text in between is not read: a drag on a layout with 10 000 keys reads one text per picture.
+        // The text in between is not read: a drag on a layout with 10 000 keys reads one text per frame.
         let text = patched(&self.text, &step.undo).ok_or(EditError::Overlap)?;
         let edited = editing::edit(&text, edit)?;
         self.history.take_last();

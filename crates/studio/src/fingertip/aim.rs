@@ -19,7 +19,7 @@ const MAX_DRAG_M: f32 = 0.3;
 pub struct Mouse {
     /// The ray through the point of the mouse. `None` beside the view, over something else in it, and without the focus.
     pub ray: Option<Ray>,
-    /// The button went down since the last picture, and not for the camera.
+    /// The button went down since the last frame, and not for the camera.
     pub is_pressed: bool,
     /// The button is down.
     pub is_down: bool,
@@ -42,7 +42,7 @@ pub struct Aim {
     first_side: Side,
     moves: Sender<PointerMove>,
     grip: Grip,
-    /// The mouse was followed since the last picture.
+    /// The mouse was followed since the last frame.
     is_followed: bool,
 }
 
@@ -86,7 +86,7 @@ impl Aim {
         front.is_some()
     }
 
-    /// Ends a picture. The finger lifts if the view was not drawn in it.
+    /// Ends a frame. The finger lifts if the view was not drawn in it.
     pub fn end_picture(&mut self) {
         if !std::mem::take(&mut self.is_followed) {
             self.lift();

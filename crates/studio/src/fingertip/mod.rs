@@ -85,7 +85,7 @@ impl Fingertip {
         Arc::ptr_eq(&self.layout, layout)
     }
 
-    /// Receives what the session has sent since the last picture. Does not wait.
+    /// Receives what the session has sent since the last frame. Does not wait.
     pub fn receive(&mut self) {
         // As in the window: one that arrives during the loop may need a later view.
         let waiting = self.snapshots.len();

@@ -23,13 +23,13 @@ use ademan_core::snapshot::Snapshot;
 use ademan_runtime::session::SessionHandle;
 use ademan_runtime::session::view::{View, Viewer};
 
-/// Time between two pictures, equal to the time between two views.
+/// Time between two frames, equal to the time between two views.
 const PICTURE_PERIOD: Duration = Duration::from_millis(33);
 
 /// Distance to the lower edge of the screen before the overlay was placed, in points.
 const SCREEN_EDGE: f32 = 48.0;
 
-/// Pictures after which the window has its level and lets clicks through: some desktops forget what is asked before.
+/// Frames after which the window has its level and lets clicks through: some desktops forget what is asked before.
 const SETTLED: u32 = 3;
 
 /// The overlay of a session.
@@ -45,7 +45,7 @@ pub struct Overlay {
     ability: Ability,
     /// The window has a title bar and takes clicks, so that it can be moved.
     is_being_placed: bool,
-    pictures: u32,
+    frames: u32,
     size: Vec2,
 }
 
@@ -67,7 +67,7 @@ impl Overlay {
             sound: Sound::start(session.snapshots().clone(), session.add_viewer()).ok(),
             ability,
             is_being_placed,
-            pictures: 0,
+            frames: 0,
         })
     }
 
@@ -124,8 +124,8 @@ impl Overlay {
     /// Asks the desktop to keep the window above the others, to let clicks through, and, before it was placed, to put it at the
     /// lower edge of the screen.
     fn settle(&mut self, context: &egui::Context) {
-        self.pictures = self.pictures.saturating_add(1);
-        if self.is_being_placed || self.pictures > SETTLED {
+        self.frames = self.frames.saturating_add(1);
+        if self.is_being_placed || self.frames > SETTLED {
             return;
         }
         context.send_viewport_cmd(ViewportCommand::WindowLevel(WindowLevel::AlwaysOnTop));

@@ -6,7 +6,7 @@ use super::table::SENSORS;
 use super::{PanelContext, PanelState, Workspace};
 use crate::texts::text;
 
-/// The question between two pictures.
+/// The question between two frames.
 #[derive(Default)]
 pub(super) struct CloseQuestion {
     is_asked: bool,

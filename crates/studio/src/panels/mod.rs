@@ -89,7 +89,7 @@ pub struct PanelContext<'a> {
     pub sensors: &'a mut SensorControl,
     /// Tries edited layouts; `None` while a recording or the session of another program is shown.
     pub trial: Option<&'a LayoutTrial>,
-    /// Commands that are sent after the picture.
+    /// Commands that are sent after the frame.
     pub sent: &'a mut Vec<Command>,
     /// The recording that is shown, if any.
     pub player: Option<&'a Player>,
@@ -97,9 +97,9 @@ pub struct PanelContext<'a> {
     pub watched: Option<&'a WatchedPerson>,
     /// The fingertip that follows the mouse, if any.
     pub fingertip: Option<&'a mut Aim>,
-    /// The change of who is watched, which follows the picture.
+    /// The change of who is watched, which follows the frame.
     pub watch: &'a mut Option<WatchChange>,
-    /// Moves within the recording, which follow the picture.
+    /// Moves within the recording, which follow the frame.
     pub moves: &'a mut Vec<Move>,
 }
 
@@ -130,7 +130,7 @@ impl Workspace {
     }
 }
 
-/// The state of the panels between two pictures.
+/// The state of the panels between two frames.
 #[derive(Default)]
 pub struct PanelState {
     workspace: Workspace,
@@ -140,7 +140,7 @@ pub struct PanelState {
     /// Folder with unsaved work of the editor. `None`: it is not kept.
     unsaved_work: Option<PathBuf>,
     camera: Camera,
-    /// The viewpoint that was chosen since the last picture.
+    /// The viewpoint that was chosen since the last frame.
     next_viewpoint: Option<Viewpoint>,
     /// The camera has been pointed at the boards.
     is_camera_placed: bool,
@@ -171,7 +171,7 @@ pub struct PanelState {
     shows_keys: bool,
     /// The window with the link for a headset.
     headset: Option<HeadsetWindow>,
-    /// Title of the window in the last picture.
+    /// Title of the window in the last frame.
     title: String,
     /// The panels in the order of F6, and the index of the last one that it reached.
     panel_ids: Vec<egui::Id>,

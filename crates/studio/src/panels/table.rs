@@ -154,7 +154,7 @@ fn is_testing(state: &PanelState, _: &PanelContext) -> bool {
 /// Draws the panels that are shown.
 pub(super) fn show(ui: &mut Ui, state: &mut PanelState, context: &mut PanelContext) {
     state.panel_ids.clear();
-    // What a panel does may change what the next picture shows, but not this one.
+    // What a panel does may change what the next frame shows, but not this one.
     let shown = PANELS.map(|panel| (panel.is_shown)(state, context).then_some(panel));
     for panel in shown.into_iter().flatten() {
         panel.show(ui, state, context);

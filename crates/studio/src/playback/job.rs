@@ -1,4 +1,4 @@
-//! Work that takes longer than a picture, on a thread of its own.
+//! Work that takes longer than a frame, on a thread of its own.
 
 use std::thread;
 

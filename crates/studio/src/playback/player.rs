@@ -32,7 +32,7 @@ pub enum Move {
     Speed(f64),
 }
 
-/// The most batches that are received for one picture, so that it is not late: 4096 steps.
+/// The most batches that are received for one frame, so that it is not late: 4096 steps.
 const MAX_BATCHES: usize = 16;
 
 /// A recording that is played forwards, or shown at any of its steps.

@@ -55,7 +55,7 @@ impl OwnNames {
 #[derive(Default)]
 pub(super) struct DevicesWindow {
     is_open: bool,
-    /// The field for the source gets the focus with the next picture.
+    /// The field for the source gets the focus with the next frame.
     is_focus_due: bool,
     /// The serial ports, once the window was open. Sources of the session are not listened to.
     search: Option<Search>,

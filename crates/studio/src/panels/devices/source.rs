@@ -112,7 +112,7 @@ fn recording_of(uri: &SourceUri) -> Option<PathBuf> {
 pub(super) fn show_fields(ui: &mut egui::Ui, window: &mut DevicesWindow) -> Option<SetupChange> {
     let id = file_field::id("devices-uri-hint");
     if window.is_focus_due && !ui.is_sizing_pass() {
-        // A picture that only measures the window drops the focus again.
+        // A frame that only measures the window drops the focus again.
         window.is_focus_due = !ui.memory(|memory| memory.has_focus(id));
         ui.memory_mut(|memory| memory.request_focus(id));
     }

@@ -25,7 +25,7 @@ fn start_drag(window: &mut Window, from: Pos2, by: Vec2) -> Pos2 {
     from + by
 }
 
-/// Opens the menu of the repetitions, which has its size after some pictures.
+/// Opens the menu of the repetitions, which has its size after some frames.
 fn open_repetitions(window: &mut Window) {
     window.click_button(text("editor-repeat"));
     window.harness.run_steps(3);

@@ -14,7 +14,7 @@ const MANY: usize = 1000;
 /// The check of a drag.
 #[derive(Default)]
 pub(super) struct DragCheck {
-    /// The edit of the drag in the last picture.
+    /// The edit of the drag in the last frame.
     edit: Option<Edit>,
     /// That edit was checked.
     is_done: bool,

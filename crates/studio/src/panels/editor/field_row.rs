@@ -14,7 +14,7 @@ use crate::texts::text;
 /// Decimals of a number that is shown.
 const DECIMALS: usize = 3;
 
-/// The largest number of parts whose values are compared for each picture.
+/// The largest number of parts whose values are compared for each frame.
 const MAX_COMPARED: usize = 200;
 
 /// Width of a text, in points.

@@ -23,7 +23,7 @@ pub(super) const SIZE_RANGE: RangeInclusive<f64> = 1.0..=500.0;
 /// Fields that the geometry above them shows.
 const GEOMETRY_FIELDS: [&str; 5] = ["at_mm", "size_mm", "length_mm", "width_mm", "diameter_mm"];
 
-/// The form between two pictures.
+/// The form between two frames.
 #[derive(Default)]
 pub(super) struct FormState {
     /// The values that are typed.

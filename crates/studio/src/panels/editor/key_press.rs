@@ -13,7 +13,7 @@ const OTHER_NAMES: [(Key, &str); 5] = [
     (Key::SuperRight, "MetaRight"),
 ];
 
-/// Takes the next key that is pressed, and hides all keys of the picture from everything else.
+/// Takes the next key that is pressed, and hides all keys of the frame from everything else.
 pub(super) fn take_key(input: &mut egui::InputState) -> Option<KeyCode> {
     let pressed = input.events.iter().find_map(|event| match event {
         Event::Key {

@@ -22,7 +22,7 @@ impl Window {
         }
     }
 
-    /// Returns `true` if the last picture has asked the desktop for the clipboard.
+    /// Returns `true` if the last frame has asked the desktop for the clipboard.
     fn has_asked_for_clipboard(&self) -> bool {
         let output = &self.harness.output().viewport_output;
         let commands = output.get(&ViewportId::ROOT).map(|root| &root.commands);

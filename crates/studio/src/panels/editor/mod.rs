@@ -66,13 +66,13 @@ use self::plan::PlanPanel;
 use self::repeat::Repeat;
 use self::shortcuts::Nudge;
 
-/// The editor between two pictures.
+/// The editor between two frames.
 pub struct EditorPanel {
     /// The text and its edits.
     pub editor: LayoutEditor,
     /// Index of the board on the canvas.
     board: usize,
-    /// Size of the canvas in the last picture, in points.
+    /// Size of the canvas in the last frame, in points.
     canvas_size: Option<Vec2>,
     /// The part of the board that is shown.
     viewport: AreaViewport,
@@ -113,9 +113,9 @@ pub struct EditorPanel {
     work: Option<PathBuf>,
     /// Name that is written to save a copy.
     save_as: Option<SaveAs>,
-    /// The text in the running session; `None` before the first picture.
+    /// The text in the running session; `None` before the first frame.
     trial: Option<EditorTrial>,
-    /// The trial of the layout that was open before, until the next picture.
+    /// The trial of the layout that was open before, until the next frame.
     left_trial: Option<EditorTrial>,
     reach: Option<ReachCheck>,
     /// Time of the next look at the file, in seconds.
@@ -128,7 +128,7 @@ pub struct EditorPanel {
     pictures: Option<PictureFormats>,
     /// Result of the last operation, or the reason why it failed.
     message: Option<Result<&'static str, String>>,
-    /// A text was typed into a field in the last picture.
+    /// A text was typed into a field in the last frame.
     is_typing: bool,
     /// A position in the text that is shown.
     shown_line: Option<usize>,

@@ -12,7 +12,7 @@ const WIDTH: f32 = 420.0;
 /// Distance of the palette from the upper edge of the window, in points.
 const TOP: f32 = 90.0;
 
-/// The palette between two pictures.
+/// The palette between two frames.
 #[derive(Default)]
 pub(super) struct Palette {
     is_open: bool,
@@ -255,7 +255,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
     if let Some(command) = run.and_then(|index| found.get(index)) {
         panel.palette = Palette::default();
-        // The field would have the focus in the next picture, too, and keep what is pasted then from the canvas.
+        // The field would have the focus in the next frame, too, and keep what is pasted then from the canvas.
         ui.memory_mut(egui::Memory::stop_text_input);
         (command.run)(panel, ui.ctx());
     }

@@ -26,7 +26,7 @@ const SNAP_REACH: f32 = 6.0;
 /// Distance beside an item at which it is hit, in points.
 const HIT_REACH: f32 = 5.0;
 
-/// The plan between two pictures.
+/// The plan between two frames.
 #[derive(Default)]
 pub(super) struct PlanPanel {
     /// It is shown in place of one board.
@@ -44,7 +44,7 @@ pub(super) struct PlanPanel {
     /// Revision of the text of the plan.
     shown: Option<u64>,
     drag: Option<PlanDrag>,
-    /// Size of the canvas in the last picture, in points.
+    /// Size of the canvas in the last frame, in points.
     size: Vec2,
     /// Guides and rubber band of the drag.
     preview: Preview,
@@ -183,7 +183,7 @@ impl EditorPanel {
         self.editor.select(parts);
     }
 
-    /// Shows everything in the next picture of a view.
+    /// Shows everything in the next frame of a view.
     pub(super) fn show_all_in_plan(&mut self) {
         *self.plan.viewport() = AreaViewport::default();
     }

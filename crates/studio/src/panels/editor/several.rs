@@ -11,7 +11,7 @@ use crate::canvas::ItemShape;
 use crate::editor::{Edit, Part, PlaceTo};
 use crate::texts::text;
 
-/// The largest number of controls that are compared for each picture.
+/// The largest number of controls that are compared for each frame.
 const MAX_COMPARED: usize = 1000;
 
 /// A number of a control: its name for edits, its words, its range, its value, and the edit that sets it.

@@ -31,7 +31,7 @@ pub(super) struct Nudge {
     selection: Vec<Part>,
 }
 
-/// Handles the keys pressed since the last picture, unless they are typed into a field or answer a question. Escape in a field
+/// Handles the keys pressed since the last frame, unless they are typed into a field or answer a question. Escape in a field
 /// discards what is typed.
 pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let was_typing = mem::replace(&mut panel.is_typing, ui.ctx().text_edit_focused());
@@ -101,7 +101,7 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         (Key::ArrowUp, Vec2::Y),
         (Key::ArrowDown, Vec2::NEG_Y),
     ];
-    // Several taps may come with one picture.
+    // Several taps may come with one frame.
     let count = |modifiers, key| {
         let taps = ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
         taps as f32

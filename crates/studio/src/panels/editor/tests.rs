@@ -241,7 +241,7 @@ fn a_save_includes_the_value_that_is_being_typed() {
     assert_eq!(window.saved(), moved);
     window.press(Modifiers::COMMAND, Key::A);
     window.write("50");
-    // Both events come with one picture, so that the button is drawn before the field loses the focus.
+    // Both events come with one frame, so that the button is drawn before the field loses the focus.
     let at = window.harness.get_by_label(text("editor-save"));
     let pos = at.rect().center();
     window.event(Event::PointerMoved(pos));

@@ -39,7 +39,7 @@ impl Window {
         self.harness.run_steps(20);
     }
 
-    /// Taps a key, within one picture.
+    /// Taps a key, within one frame.
     fn tap(&mut self, key: Key) {
         for pressed in [true, false] {
             self.harness.input_mut().events.push(Event::Key {

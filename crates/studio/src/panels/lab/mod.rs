@@ -31,7 +31,7 @@ enum Other {
     File,
 }
 
-/// The lab between two pictures.
+/// The lab between two frames.
 #[derive(Default)]
 pub struct LabState {
     settings: LabSettings,

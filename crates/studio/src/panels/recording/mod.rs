@@ -13,7 +13,7 @@ use super::{PanelContext, PanelState, look};
 use crate::playback::{Move, Player, SPEEDS};
 use crate::texts::{text, text_with};
 
-/// State of the panel between two pictures.
+/// State of the panel between two frames.
 #[derive(Default)]
 pub struct RecordingState {
     /// The recording whose part and comparison these are.

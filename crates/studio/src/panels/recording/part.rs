@@ -16,7 +16,7 @@ pub struct PartState {
     /// Index and time of the first and the last step.
     from: Option<(usize, Timestamp)>,
     to: Option<(usize, Timestamp)>,
-    /// Path of the file; `None` before the first picture.
+    /// Path of the file; `None` before the first frame.
     file: Option<String>,
     job: Option<Job<Result<u64, ExportError>>>,
     /// The file exists, and the person is asked.
