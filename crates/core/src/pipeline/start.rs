@@ -75,7 +75,7 @@ fn is_extended(pose: &HandPose, finger: Finger) -> Option<bool> {
 }
 
 impl Pipeline {
-    /// Returns `true` if output is enabled and the layout waits for an open hand that is held still.
+    /// Returns `true` if output is armed and the layout waits for an open hand that is held still.
     pub fn awaits_start(&self) -> bool {
         let is_placed = |pose: &HandPose| pose.start.own.is_some();
         self.state() == PipelineState::Running
