@@ -252,12 +252,12 @@ fn non_zero(counts: &Value) -> impl Iterator<Item = (&String, &Value)> {
     counts.filter(|(_, count)| **count != 0)
 }
 
-/// Returns a string without quotes and escaped, any other value as JSON, and `None` for null.
+/// Returns a string without quotes, any other value as JSON, both escaped, and `None` for null.
 fn plain_text(value: &Value) -> Option<String> {
     match value {
         Value::Null => None,
         Value::String(text) => Some(escape(text).into_owned()),
-        value => Some(value.to_string()),
+        value => Some(escape_json(&value.to_string()).into_owned()),
     }
 }
 

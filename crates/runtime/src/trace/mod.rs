@@ -178,8 +178,9 @@ fn known_angles<S: Serializer>(angles: &&JointAngles, serializer: S) -> Result<S
     serializer.collect_map(angles.known())
 }
 
+/// The object of [`Stage::Presses`].
 #[derive(Serialize)]
-struct PressJson<'a> {
+pub(crate) struct PressJson<'a> {
     time_us: Timestamp,
     side: Side,
     finger: Finger,
@@ -197,7 +198,8 @@ struct NeighborJson<'a> {
 }
 
 impl<'a> PressJson<'a> {
-    fn new(press: &Press, names: &'a TargetNames) -> Self {
+    /// Creates the object of a press. `names` has the names of the targets.
+    pub(crate) fn new(press: &Press, names: &'a TargetNames) -> Self {
         let neighbor = |neighbor: &Neighbor| NeighborJson {
             target: names.get(neighbor.target),
             distance_mm: neighbor.distance * MM_PER_METRE,

@@ -3,8 +3,8 @@
 //! A request is a [`Command`](ademan_core::command::Command), such as `{"command":"tilt","deg":5}`, or `{"command":"subscribe"}`.
 //! The response is `{"ok":true}` with the fields of a state or a `text`, or `{"ok":false,"error":"…"}`. An invalid line
 //! gets an error response and the connection stays open. After a subscription the client receives notifications: lines
-//! with an `event`, which have the form of the stage `events` of a [`trace`](crate::trace), and `state`, `reload`
-//! and `missed`; and lines with a `command`, in the form of the stage `commands`. After `{"command":"watch"}` it receives
+//! with an `event`, which have the form of the stage `events` of a [`trace`](crate::trace), `press` with the fields of the stage
+//! `presses`, and `state`, `reload` and `missed`; and lines with a `command`, in the form of the stage `commands`. After `{"command":"watch"}` it receives
 //! [views](crate::session::view), for displays.
 //!
 //! A client cannot delay the session. Commands go through [`CommandSender`](crate::session::CommandSender).

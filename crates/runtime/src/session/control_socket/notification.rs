@@ -13,7 +13,7 @@ use super::response::{self, JsonLine};
 use crate::session::observer::Observer;
 use crate::session::reload::LayoutReport;
 use ademan_core::command::CommandOrigin;
-use ademan_core::contact::TargetNames;
+use ademan_core::contact::{Presses, TargetNames};
 use ademan_core::device::{CursorPosition, Events, TimedCommands};
 use ademan_core::pipeline::{LayoutInstance, Pipeline, PipelineState};
 use ademan_core::snapshot::StepView;
@@ -28,6 +28,7 @@ const QUEUE_LINES: usize = 64;
 #[allow(clippy::large_enum_variant)]
 enum Notification {
     Commands(TimedCommands),
+    Presses(Presses, TargetNames),
     Events(Events, TargetNames),
     Cursor(CursorPosition),
     State {
@@ -67,7 +68,7 @@ impl Notifier {
         (notifier, queue)
     }
 
-    /// Notifies the subscribers of the commands and events of a step and of a new state. Does not wait, and does nothing
+    /// Notifies the subscribers of the commands, presses and events of a step and of a new state. Does not wait, and does nothing
     /// without subscribers.
     pub fn notify_step(&mut self, step: &StepView) {
         let (state, paused_by) = (step.state, step.paused_by);
@@ -79,6 +80,11 @@ impl Notifier {
             self.send(Notification::Commands(
                 step.commands.iter().copied().collect(),
             ));
+        }
+        if !step.presses.is_empty() {
+            let names = step.target_names.clone();
+            let presses = step.presses.iter().cloned().collect();
+            self.send(Notification::Presses(presses, names));
         }
         if !step.events.is_empty() {
             let names = step.target_names.clone();
@@ -117,6 +123,7 @@ impl Notifier {
     fn send(&self, notification: Notification) {
         let lines = match &notification {
             Notification::Commands(commands) => commands.len() as u64,
+            Notification::Presses(presses, _) => presses.len() as u64,
             Notification::Events(events, _) => events.len() as u64,
             Notification::Cursor(_) | Notification::State { .. } | Notification::Reload { .. } => 1,
         };
@@ -152,6 +159,11 @@ pub(super) fn broadcast(queue: &NotificationQueue) {
             Notification::Commands(commands) => {
                 for issued in &commands {
                     subscribers.push(&response::command_notification(issued, &mut buffer));
+                }
+            }
+            Notification::Presses(presses, names) => {
+                for press in &presses {
+                    subscribers.push(&response::press_notification(press, &names));
                 }
             }
             Notification::Events(events, names) => {
@@ -265,18 +277,36 @@ impl Subscription {
 mod tests {
     use super::*;
     use ademan_core::command::Command;
+    use ademan_core::contact::{Neighbor, Press, TargetId};
     use ademan_core::device::{EventKind, OutputEvent, TimedCommand};
+    use ademan_core::hand::{Finger, Side};
     use ademan_core::snapshot::Stats;
     use ademan_core::time::Timestamp;
+    use parry3d::math::Vec3;
 
     #[test]
-    fn subscribers_receive_the_commands_of_a_step_before_its_events() {
+    fn subscribers_receive_the_commands_of_a_step_before_its_presses_and_its_events() {
         let time = Timestamp(12_400);
         let issued = |command| TimedCommand { time, command };
         let nudge = Command::Nudge {
             x_mm: 0.0,
             y_mm: -1.5,
             z_mm: 2.0,
+        };
+        let press = Press {
+            time,
+            side: Side::Left,
+            finger: Finger::Index,
+            target: TargetId(7),
+            point: Vec3::new(0.5, -0.25, -0.125),
+            depth: 0.125,
+            speed: 0.5,
+            neighbors: [Neighbor {
+                target: TargetId(8),
+                distance: 0.25,
+            }]
+            .into_iter()
+            .collect(),
         };
         let step = StepView {
             state: PipelineState::Paused,
@@ -288,7 +318,7 @@ mod tests {
             angles: None,
             pose: None,
             touches: &[],
-            presses: &[],
+            presses: &[press],
             events: &Events::from_iter([OutputEvent {
                 time,
                 kind: EventKind::KeyUp("Q".parse().unwrap()),
@@ -310,6 +340,7 @@ mod tests {
         let expected = [
             r#"{"time_us":12400,"command":"nudge","x_mm":0.0,"y_mm":-1.5,"z_mm":2.0}"#,
             r#"{"time_us":12400,"command":"toggle-pause"}"#,
+            r#"{"event":"press","time_us":12400,"side":"left","finger":"index","target":7,"point_mm":[500.0,-250.0,-125.0],"depth_mm":125.0,"speed_mm_s":500.0,"neighbors":[{"target":8,"distance_mm":250.0}]}"#,
             r#"{"time_us":12400,"event":"key-up","key":"Q"}"#,
             r#"{"event":"state","state":"paused","paused":true,"paused_by":"command"}"#,
         ];

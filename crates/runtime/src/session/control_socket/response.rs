@@ -6,9 +6,9 @@ use super::ProfileInfo;
 use crate::capture::{HeadsetStatus, InvalidPackets};
 use crate::session::reply::{LearnedRanges, SessionStatus};
 use crate::session::view::{PoseNumbers, View, ViewState, pose_numbers};
-use crate::trace::{command_json, event_json};
+use crate::trace::{PressJson, command_json, event_json};
 use ademan_core::command::CommandOrigin;
-use ademan_core::contact::TargetNames;
+use ademan_core::contact::{Press, TargetNames};
 use ademan_core::device::{CursorPosition, OutputEvent, TimedCommand};
 use ademan_core::estimate::Rejection;
 use ademan_core::hand::Dof;
@@ -101,6 +101,11 @@ pub(super) fn event_notification(
     buffer: &mut Vec<u8>,
 ) -> JsonLine {
     String::from_utf8_lossy(event_json(event, names, buffer)).into()
+}
+
+/// Returns the notification of a press with its evidence, as the stage `presses` of a trace.
+pub(super) fn press_notification(press: &Press, names: &TargetNames) -> JsonLine {
+    json(&NotificationLine::Press(PressJson::new(press, names)))
 }
 
 /// Returns the notification of a command that a device issued, as the stage `commands` of a trace.
@@ -287,6 +292,7 @@ enum NotificationLine<'a> {
     Missed {
         count: u64,
     },
+    Press(PressJson<'a>),
     Pointer(CursorJson),
     Layout {
         file: &'a str,
