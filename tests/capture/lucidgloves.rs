@@ -38,6 +38,19 @@ fn a_serial_glove_is_read_past_its_boot_messages() {
 }
 
 #[test]
+fn a_legacy_line_that_began_before_its_serial_port_was_opened_is_dropped() {
+    let mut loopback = open_loopback(StreamFormat::new(&PROTOCOL)).expect("a pseudo-terminal");
+    let mut source = open(&loopback.uri).expect("it opens");
+    let rest = "&1000&1000&1000&1000&2047&2047&0&0&0&0&0&0";
+    // The digits `10` were lost.
+    let stream = format!("95{rest}\n1095{rest}\n");
+    loopback.writer.write_all(stream.as_bytes()).unwrap();
+    let whole = Fields::parse(format!("1095{rest}").as_bytes()).expect("a packet");
+    let expected = Sample::Channels(whole.channels(FULL_SCALE));
+    assert_eq!(samples(&mut *source, 1), [expected]);
+}
+
+#[test]
 fn a_tcp_bridge_of_a_wireless_glove_sends_blank_lines() {
     let (lines, expected) = lines();
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");

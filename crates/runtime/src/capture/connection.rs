@@ -8,6 +8,7 @@ use std::time::Duration;
 use super::HeadsetList;
 use super::cancel::CancelToken;
 use super::poll::Readiness;
+use super::protocol::{Decoder, StreamFormat};
 
 /// Longest time that one read blocks if it cannot be cancelled.
 pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
@@ -47,6 +48,11 @@ pub(super) trait Connector: Clone + Send + 'static {
     /// Returns the headsets that are connected, if it waits for headsets.
     fn headsets(&self) -> Option<HeadsetList> {
         None
+    }
+
+    /// Creates the decoder of its bytes. The default is for streams that begin with a packet.
+    fn decoder(format: &StreamFormat) -> Box<dyn Decoder> {
+        format.decoder()
     }
 
     /// Opens the connection. Its reads block for [`READ_TIMEOUT`] at most; with a [`Readiness`] they do not block.

@@ -13,6 +13,13 @@ pub trait LineParser: Send {
     /// Parses a line and passes its packets to `emit`: one or more, or none if the line is invalid.
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError>;
 
+    /// Returns `true` if the rest of a line whose start is missing may pass for a whole line with other values. The default, for lines
+    /// whose start shows, is `false`.
+    fn may_lack_start(line: &[u8]) -> bool {
+        let _ = line;
+        false
+    }
+
     /// Forgets earlier lines, after a stream broke off.
     fn reset(&mut self) {}
 
@@ -31,6 +38,10 @@ pub struct LineDecoder<P> {
     line: Vec<u8>,
     /// `true` if the current line is too long; its bytes are skipped up to the line end.
     is_skipping: bool,
+    /// `true` if a stream may begin within a line.
+    starts_anywhere: bool,
+    /// `true` if the current line may have begun before the stream.
+    is_first: bool,
     stats: SourceStats,
     /// Offset of the first byte after the last line end, from the start of the stream.
     line_start: u64,
@@ -46,6 +57,8 @@ impl<P: LineParser> LineDecoder<P> {
             parser,
             line: Vec::with_capacity(P::MAX_LINE_BYTES),
             is_skipping: false,
+            starts_anywhere: false,
+            is_first: false,
             stats: SourceStats::default(),
             line_start: 0,
             is_searching: false,
@@ -67,6 +80,7 @@ impl<P: LineParser> LineDecoder<P> {
         self.line_start += bytes;
         let end = self.line_start;
         let is_too_long = std::mem::take(&mut self.is_skipping);
+        let is_cut = std::mem::take(&mut self.is_first) && P::may_lack_start(&self.line);
         if !is_too_long && self.line.trim_ascii().is_empty() {
             // Some senders separate lines by blank ones.
             self.line.clear();
@@ -76,6 +90,9 @@ impl<P: LineParser> LineDecoder<P> {
         let mut packets = 0;
         let result = if is_too_long {
             Err(too_long::<P>())
+        } else if is_cut {
+            let text = "the first line may have begun before the connection";
+            Err(PacketError::new(InvalidPacket::Truncated, text))
         } else {
             self.parser.parse(&self.line, &mut |packet| {
                 packets += 1;
@@ -156,7 +173,12 @@ impl<P: LineParser> Decoder for LineDecoder<P> {
         self.reset();
     }
 
+    fn start_anywhere(&mut self) {
+        (self.starts_anywhere, self.is_first) = (true, true);
+    }
+
     fn reset(&mut self) {
+        self.is_first = self.starts_anywhere;
         self.stats.skipped_bytes += self.stats.bytes - self.line_start;
         self.line_start = self.stats.bytes;
         self.line.clear();

@@ -336,6 +336,10 @@ pub trait Decoder: Send {
         let _ = emit;
     }
 
+    /// Prepares for streams that may begin within a packet, as on a serial line: this one, and each that follows a
+    /// [`reset`](Self::reset). Called before the first byte. The default ignores it, for packets whose start shows.
+    fn start_anywhere(&mut self) {}
+
     /// Skips the pending bytes, after a stream broke off: the bytes that follow are unrelated.
     fn reset(&mut self);
 

@@ -253,6 +253,14 @@ mod tests {
     }
 
     #[test]
+    fn a_first_number_without_its_start_changes_no_angle() {
+        let numbers: [f64; VALUES] = std::array::from_fn(|index| index as f64);
+        let mut cut = numbers;
+        cut[0] = 7.0;
+        assert_eq!(angles(&cut), angles(&numbers));
+    }
+
+    #[test]
     fn a_byte_order_mark_before_the_first_line_is_skipped() {
         let mut decoder = TextLineDecoder::new();
         let line = encode(&angles(&[45.0; VALUES]));

@@ -80,7 +80,7 @@ impl<C: Connector> StreamSource<C> {
                 });
             }
         };
-        let decoder = format.decoder();
+        let decoder = C::decoder(&format);
         // A packet that was pending may be complete with the first byte of a read.
         let max_packets = C::READ_BYTES / format.protocol.min_packet_bytes + 2;
         Ok(Self {

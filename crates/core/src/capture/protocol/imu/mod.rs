@@ -171,6 +171,11 @@ impl LineParser for ImuParser {
         Ok(())
     }
 
+    fn may_lack_start(_: &[u8]) -> bool {
+        // The first number may lack its sign or digits.
+        true
+    }
+
     fn reset(&mut self) {
         self.neutral = None;
         self.times = LineTimes::default();

@@ -137,3 +137,20 @@ fn missing_lines_do_not_move_the_neutral_pose_and_a_new_stream_has_its_own() {
     let restarted = decode(&mut decoder, &format!("{}\n", TURNED[3]));
     assert!(rotation(&restarted[0]).angle_between(Quat::IDENTITY) < 1e-3);
 }
+
+#[test]
+fn a_line_that_lost_its_start_before_a_serial_port_was_opened_is_no_neutral_pose() {
+    let mut decoder = decoder(&ProtocolOptions::default());
+    decoder.start_anywhere();
+    // The sign of `-0.7` was lost.
+    assert_eq!(decode(&mut decoder, "0.7,0.7,0,0\n"), []);
+    let stats = decoder.stats();
+    assert_eq!((stats.readings, stats.skipped_bytes), (0, 12));
+    assert_eq!(stats.invalid.get(InvalidPacket::Truncated), 1);
+    assert_eq!(decode(&mut decoder, &format!("{NEUTRAL}\n")).len(), 1);
+    decoder.reset();
+    let after_the_loss = decode(&mut decoder, &format!("0.7,0.7,0,0\n{NEUTRAL}\n"));
+    assert_eq!(after_the_loss.len(), 1);
+    let turn = rotation(&after_the_loss[0]);
+    assert!(turn.angle_between(Quat::IDENTITY) < 1e-3);
+}

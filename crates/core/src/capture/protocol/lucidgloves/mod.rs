@@ -280,6 +280,11 @@ impl LineParser for LucidParser {
         Ok(())
     }
 
+    fn may_lack_start(line: &[u8]) -> bool {
+        // The first number of a legacy line may lack digits. An alpha line has a key before each number.
+        is_legacy(line)
+    }
+
     fn feedback(&self) -> Option<&'static FeedbackFormat> {
         self.feedback
     }

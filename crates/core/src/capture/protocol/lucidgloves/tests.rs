@@ -190,6 +190,25 @@ fn a_stream_gives_the_packets_in_pieces_of_any_size() {
 }
 
 #[test]
+fn the_first_line_of_a_serial_port_counts_if_its_start_shows() {
+    for (first, expected) in [
+        ("0&2&3&4&5&6&7&0&0&0&0&0&0", &[7][..]),
+        ("A1B2C3", &[1, 7][..]),
+        ("", &[7][..]),
+    ] {
+        let mut decoder = decoder(4095);
+        decoder.start_anywhere();
+        let mut thumbs = Vec::new();
+        let stream = format!("{first}\r\n7&2&3&4&5&6&7&0&0&0&0&0&0\r\n");
+        decoder.push(stream.as_bytes(), &mut |packet| match packet.sample {
+            Sample::Channels(channels) => thumbs.push(channels.counts[0]),
+            other => panic!("{other:?}"),
+        });
+        assert_eq!(thumbs, expected, "{first}");
+    }
+}
+
+#[test]
 fn an_endless_line_is_skipped_in_bounded_memory() {
     let mut decoder = decoder(4095);
     for _ in 0..1000 {
