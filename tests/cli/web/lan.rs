@@ -344,49 +344,57 @@ fn the_state_of_the_session_names_the_headset_with_a_valid_token_until_it_leaves
     wait_for_state(&server, "source     no headset connected\n");
 }
 
-#[test]
-fn an_address_of_every_network_is_refused_with_what_to_do() {
-    let Some(folder) = folder() else { return };
-    for (address, words) in [("0.0.0.0", "every network"), ("desk", "ip address")] {
-        let ended = crate::run(["serve", "--dir", text(&folder), "--lan", address]);
-        assert_eq!(ended.code, Some(2));
-        assert!(ended.err.contains(words), "{}", ended.err);
+/// Tests without a browser. `.ci/repeats` does not list this module, so they have to pass at once.
+mod refusals {
+    use std::process::Command;
+
+    use crate::web::folder;
+    use crate::{ademan, text};
+
+    #[test]
+    fn an_address_of_every_network_is_refused_with_what_to_do() {
+        let Some(folder) = folder() else { return };
+        for (address, words) in [("0.0.0.0", "every network"), ("desk", "ip address")] {
+            let ended = crate::run(["serve", "--dir", text(&folder), "--lan", address]);
+            assert_eq!(ended.code, Some(2));
+            assert!(ended.err.contains(words), "{}", ended.err);
+        }
     }
-}
 
-/// Runs `ademan serve --lan` on a folder without a page, which ends it at the latest. Returns what it printed, and whether it made a token.
-fn refused(arguments: &[&str]) -> (crate::Ended, bool) {
-    let home = tempfile::tempdir().expect("a folder");
-    let mut command = ademan(["serve", "--lan", "127.0.0.1", "--port", "0", "--dir"]);
-    command.arg(home.path()).args(arguments);
-    command
-        .env("XDG_CONFIG_HOME", home.path())
-        .env("XDG_STATE_HOME", home.path());
-    let ended: crate::Ended = command.output().expect("it starts").into();
-    assert_ne!(ended.code, Some(0));
-    let has_token = home.path().join("ademan/network").exists();
-    (ended, has_token)
-}
-
-#[test]
-fn a_layout_of_a_link_is_refused_before_the_link_to_the_page_is_shown_unless_it_is_trusted() {
-    let link = crate::run(["layout", "share", "numpad"]).out;
-    let arguments = ["--allow-root", "--layout", link.trim()];
-    let (unknown, has_token) = refused(&arguments);
-    assert!(unknown.err.contains("then add --trust"), "{}", unknown.err);
-    assert_eq!((&*unknown.out, has_token), ("", false));
-    let (trusted, _) = refused(&[&arguments[..], &["--trust"]].concat());
-    assert!(trusted.err.contains("run web/build"), "{}", trusted.err);
-}
-
-#[test]
-fn root_is_refused_before_there_is_a_token_and_a_link() {
-    let user = Command::new("id").arg("-u").output().expect("it starts");
-    if user.stdout != b"0\n" {
-        println!("SKIPPED: this test needs root");
-        return;
+    /// Runs `ademan serve --lan` on a folder without a page, which ends it at the latest. Returns what it printed, and whether it made a token.
+    fn refused(arguments: &[&str]) -> (crate::Ended, bool) {
+        let home = tempfile::tempdir().expect("a folder");
+        let mut command = ademan(["serve", "--lan", "127.0.0.1", "--port", "0", "--dir"]);
+        command.arg(home.path()).args(arguments);
+        command
+            .env("XDG_CONFIG_HOME", home.path())
+            .env("XDG_STATE_HOME", home.path());
+        let ended: crate::Ended = command.output().expect("it starts").into();
+        assert_ne!(ended.code, Some(0));
+        let has_token = home.path().join("ademan/network").exists();
+        (ended, has_token)
     }
-    let (ended, has_token) = refused(&[]);
-    assert!(ended.err.contains("--allow-root"), "{}", ended.err);
-    assert_eq!((&*ended.out, has_token), ("", false));
+
+    #[test]
+    fn a_layout_of_a_link_is_refused_before_the_link_to_the_page_is_shown_unless_it_is_trusted() {
+        let link = crate::run(["layout", "share", "numpad"]).out;
+        let arguments = ["--allow-root", "--layout", link.trim()];
+        let (unknown, has_token) = refused(&arguments);
+        assert!(unknown.err.contains("then add --trust"), "{}", unknown.err);
+        assert_eq!((&*unknown.out, has_token), ("", false));
+        let (trusted, _) = refused(&[&arguments[..], &["--trust"]].concat());
+        assert!(trusted.err.contains("run web/build"), "{}", trusted.err);
+    }
+
+    #[test]
+    fn root_is_refused_before_there_is_a_token_and_a_link() {
+        let user = Command::new("id").arg("-u").output().expect("it starts");
+        if user.stdout != b"0\n" {
+            println!("SKIPPED: this test needs root");
+            return;
+        }
+        let (ended, has_token) = refused(&[]);
+        assert!(ended.err.contains("--allow-root"), "{}", ended.err);
+        assert_eq!((&*ended.out, has_token), ("", false));
+    }
 }
