@@ -45,6 +45,7 @@ fn follow(mut monitor: KeyboardMonitor, stop: impl Fn() + Send + 'static) -> io:
     let run = move || {
         // An emergency stop does not wait for other programs.
         priority::raise_thread_priority();
+        monitor.report(&stop);
         while let Ok(is_watching) = monitor.wait(&cancelled, &stop) {
             if !is_watching {
                 return;
@@ -66,6 +67,7 @@ fn open(keys: &[KeyCode]) -> Result<KeyboardMonitor, String> {
     inotify::add_watch(&inotify, NODES, NODE_EVENTS).map_err(inotify_error)?;
     let mut monitor = KeyboardMonitor {
         combination: KeyCombination::new(keys),
+        is_complete: false,
         inotify,
         keyboards: Vec::new(),
         next_id: 0,
@@ -93,6 +95,8 @@ struct Keyboard {
 /// The keyboards that have keys of the combination.
 struct KeyboardMonitor {
     combination: KeyCombination,
+    /// `true` if the combination was completed and that is not reported.
+    is_complete: bool,
     inotify: OwnedFd,
     keyboards: Vec<Keyboard>,
     /// Number of keyboards opened so far.
@@ -133,11 +137,17 @@ impl KeyboardMonitor {
             return;
         }
         self.next_id += 1;
-        self.keyboards.push(Keyboard {
-            id: self.next_id,
-            path,
-            device,
-        });
+        let id = self.next_id;
+        // A person may have begun before the watch, as during a change of the setup. With this answer the kernel drops the queued
+        // events of keys, which it includes.
+        if let Ok(held) = device.get_key_state() {
+            for key in self.combination.keys.clone() {
+                if held.contains(evdev::KeyCode::new(key.event_code())) {
+                    self.is_complete |= self.combination.update(id, key, true);
+                }
+            }
+        }
+        self.keyboards.push(Keyboard { id, path, device });
     }
 
     /// Waits for events of keyboards or nodes, and handles them. Returns `false` once the watch is cancelled.
@@ -163,27 +173,32 @@ impl KeyboardMonitor {
         let ready: Vec<_> = poll_fds[2..].iter().map(is_ready).collect();
         drop(poll_fds);
         let mut index = 0;
-        let mut is_complete = false;
         for has_data in ready {
-            if has_data && !self.read(index, &mut is_complete) {
+            if has_data && !self.read(index) {
                 let removed = self.keyboards.remove(index);
                 self.combination.remove_keyboard(removed.id);
             } else {
                 index += 1;
             }
         }
-        if is_complete {
-            stop();
-        }
+        self.report(stop);
         if has_new_node {
             self.discard_node_events();
             self.open_new();
+            self.report(stop);
         }
         Ok(true)
     }
 
+    /// Calls `stop` if the combination was completed since the previous call.
+    fn report(&mut self, stop: &impl Fn()) {
+        if std::mem::take(&mut self.is_complete) {
+            stop();
+        }
+    }
+
     /// Reads the events of a keyboard. Returns `true` if it is still connected.
-    fn read(&mut self, index: usize, is_complete: &mut bool) -> bool {
+    fn read(&mut self, index: usize) -> bool {
         let keyboard = &mut self.keyboards[index];
         let events = match keyboard.device.fetch_events() {
             Ok(events) => events,
@@ -195,7 +210,7 @@ impl KeyboardMonitor {
                 continue;
             };
             if let Some(key) = KeyCode::from_event_code(code.code()) {
-                *is_complete |= self.combination.update(keyboard.id, key, value == 1);
+                self.is_complete |= self.combination.update(keyboard.id, key, value == 1);
             }
         }
         true
@@ -224,6 +239,7 @@ mod tests {
     fn the_thread_ends_with_the_watch() {
         let monitor = KeyboardMonitor {
             combination: KeyCombination::new(&[]),
+            is_complete: false,
             inotify: inotify::init(CreateFlags::CLOEXEC | CreateFlags::NONBLOCK).unwrap(),
             keyboards: Vec::new(),
             next_id: 0,

@@ -60,8 +60,8 @@ pub struct PanicKeysWatch(
 /// Calls `stop` whenever all `keys` are pressed on the keyboards of this machine, on one or on several, until the result is
 /// dropped. `stop` must not block.
 ///
-/// Keyboards that are connected later are included; those that this program creates are not. Other keys are ignored, and
-/// no key is stored. Without keys there is no thread.
+/// Keys that are held already count. Keyboards that are connected later are included; those that this program creates are not. Other
+/// keys are ignored, and no key is stored. Without keys there is no thread.
 ///
 /// # Errors
 /// If no keyboard can be read: a user who relies on panic keys has to know that they do not work.
