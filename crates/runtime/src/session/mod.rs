@@ -294,7 +294,8 @@ impl Session {
         }
         let notice_sender = self.notices.sender();
         let reports = self.options.report_status;
-        let mut status = reports.then(|| StatusNotices::new(has_effect, notice_sender));
+        let has_socket = self.control.is_some();
+        let mut status = reports.then(|| StatusNotices::new(has_effect, has_socket, notice_sender));
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);
         let mut observers: Vec<&mut dyn Observer> = vec![
             &mut haptics,

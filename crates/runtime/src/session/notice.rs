@@ -92,8 +92,13 @@ pub enum Notice {
     DroppedPresses(u64),
     /// This many system keys were suppressed.
     SystemKeysSuppressed(u64),
-    /// This many keys were suppressed because of the role of their source.
-    KeysSuppressed(u64),
+    /// Keys were suppressed because of the role of their source.
+    KeysSuppressed {
+        /// The number of keys.
+        count: u64,
+        /// `true` if `ademan ctl` can reach the session.
+        has_control_socket: bool,
+    },
     /// This many pointer events were suppressed because of the role of their source.
     PointingSuppressed(u64),
     /// Sensors of these fingers are faulty; their keys are released. Empty after a recovery.
@@ -201,11 +206,21 @@ impl fmt::Display for Notice {
                 "{} suppressed that would act on the system; `allow_system_keys: true` in the setup allows them",
                 counted(*count, "key")
             ),
-            Self::KeysSuppressed(count) => write!(
-                f,
-                "{} suppressed, as the source is only a pointer; `ademan ctl allow-keys`, `--role both` or `role: Both` next to it in the setup lets it type",
-                counted(*count, "key")
-            ),
+            Self::KeysSuppressed {
+                count,
+                has_control_socket,
+            } => {
+                let command = if *has_control_socket {
+                    "`ademan ctl allow-keys`, "
+                } else {
+                    ""
+                };
+                write!(
+                    f,
+                    "{} suppressed, as the source is only a pointer; {command}`--role both` or `role: Both` next to it in the setup lets it type",
+                    counted(*count, "key")
+                )
+            }
             Self::PointingSuppressed(count) => write!(
                 f,
                 "{} suppressed, as the source is only for keys; `role: Both` next to it in the setup lets it point",

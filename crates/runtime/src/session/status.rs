@@ -21,6 +21,8 @@ const AWAITED: u32 = 10;
 struct StatusLog {
     /// `true` if the outputs reach other programs.
     has_effect: bool,
+    /// `true` if `ademan ctl` can reach the session.
+    has_control_socket: bool,
     limits: MessageLimits<Topic, Notice>,
     state: Option<(PipelineState, Option<CommandOrigin>)>,
     rejected: [u64; Rejection::COUNT],
@@ -107,10 +109,15 @@ pub(super) struct StatusNotices {
 }
 
 impl StatusNotices {
-    /// Creates the notices of a session. `has_effect` is `true` if its outputs reach other programs.
-    pub fn new(has_effect: bool, notices: NoticeSender) -> Self {
+    /// Creates the notices of a session. `has_effect` is `true` if its outputs reach other programs, `has_control_socket` if `ademan ctl`
+    /// can reach it.
+    pub fn new(has_effect: bool, has_control_socket: bool, notices: NoticeSender) -> Self {
         Self {
-            log: StatusLog::new(has_effect),
+            log: StatusLog {
+                has_effect,
+                has_control_socket,
+                ..StatusLog::default()
+            },
             notices,
         }
     }
@@ -126,14 +133,6 @@ impl Observer for StatusNotices {
 }
 
 impl StatusLog {
-    /// Creates the log of a session. `has_effect` is `true` if its outputs reach other programs.
-    pub fn new(has_effect: bool) -> Self {
-        Self {
-            has_effect,
-            ..Self::default()
-        }
-    }
-
     /// Reports the changes since the last step.
     pub fn update(
         &mut self,
@@ -277,15 +276,20 @@ impl StatusLog {
                 suppressed.pointing_by_role,
             ),
         ];
-        let notices = [
-            Notice::Dropped,
-            Notice::DroppedPresses,
-            Notice::SystemKeysSuppressed,
-            Notice::KeysSuppressed,
-            Notice::PointingSuppressed,
+        let has_control_socket = self.has_control_socket;
+        let keys_by_role = |count| Notice::KeysSuppressed {
+            count,
+            has_control_socket,
+        };
+        let notices: [&dyn Fn(u64) -> Notice; 5] = [
+            &Notice::Dropped,
+            &Notice::DroppedPresses,
+            &Notice::SystemKeysSuppressed,
+            &keys_by_role,
+            &Notice::PointingSuppressed,
         ];
         for ((topic, reported, count), notice) in counters.into_iter().zip(notices) {
-            update(topic, reported, count, &notice);
+            update(topic, reported, count, notice);
         }
     }
 
@@ -430,5 +434,19 @@ mod tests {
             report_with(23, None, false),
             "the left hand is tracked again"
         );
+    }
+
+    #[test]
+    fn suppressed_keys_name_a_command_only_if_it_can_reach_the_session() {
+        for has_control_socket in [false, true] {
+            let notice = Notice::KeysSuppressed {
+                count: 2,
+                has_control_socket,
+            };
+            let text = notice.to_string();
+            assert!(text.starts_with("2 keys suppressed"), "{text}");
+            assert!(text.contains("`--role both`"), "{text}");
+            assert_eq!(text.contains("`ademan ctl"), has_control_socket, "{text}");
+        }
     }
 }
