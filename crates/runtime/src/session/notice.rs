@@ -209,18 +209,7 @@ impl fmt::Display for Notice {
             Self::KeysSuppressed {
                 count,
                 has_control_socket,
-            } => {
-                let command = if *has_control_socket {
-                    "`ademan ctl allow-keys`, "
-                } else {
-                    ""
-                };
-                write!(
-                    f,
-                    "{} suppressed, as the source is only a pointer; {command}`--role both` or `role: Both` next to it in the setup lets it type",
-                    counted(*count, "key")
-                )
-            }
+            } => write_keys_suppressed(f, *count, *has_control_socket),
             Self::PointingSuppressed(count) => write!(
                 f,
                 "{} suppressed, as the source is only for keys; `role: Both` next to it in the setup lets it point",
@@ -265,6 +254,19 @@ impl Notice {
                 | Self::Armed { .. }
         )
     }
+}
+
+fn write_keys_suppressed(
+    f: &mut fmt::Formatter<'_>,
+    count: u64,
+    has_control_socket: bool,
+) -> fmt::Result {
+    let keys = counted(count, "key");
+    write!(f, "{keys} suppressed, as the source is only a pointer; ")?;
+    if has_control_socket {
+        f.write_str("`ademan ctl allow-keys`, ")?;
+    }
+    f.write_str("`--role both` or `role: Both` next to it in the setup lets it type")
 }
 
 fn write_unreached(
@@ -482,12 +484,8 @@ mod tests {
             Notice::Unreached(Side::Left, Some(nearest)).to_string()
         };
         let far = text(Some("Q"), Vec3::new(0.01, -0.09, -0.4));
-        assert!(
-            far.contains(
-                "the left hand moves and reaches nothing: `Q` is 410 mm away, 400 mm forward;"
-            ),
-            "{far}"
-        );
+        let way = "the left hand moves and reaches nothing: `Q` is 410 mm away, 400 mm forward;";
+        assert!(far.contains(way), "{far}");
         assert!(far.contains("`ademan ctl recenter`"), "{far}");
         let range = text(None, Vec3::new(-0.3, 0.3, 0.3));
         assert!(
