@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
+use ademan_runtime::files::LockedFile;
 use tempfile::TempDir;
 
 use super::*;
@@ -408,6 +409,14 @@ fn unsaved_work_is_offered_under_the_name_of_the_last_save() {
     assert_eq!(visit(&path, &recovery, |_| {}), None);
 }
 
+/// Returns the number of files of a folder that editors have locked.
+fn locked_files(folder: &Path) -> usize {
+    let entries = fs::read_dir(folder).unwrap().flatten();
+    let locks = entries.filter(|entry| entry.path().extension().is_some_and(|it| it == "lock"));
+    let is_locked = |path: PathBuf| LockedFile::try_lock(fs::File::open(path).unwrap()).is_err();
+    locks.filter(|lock| is_locked(lock.path())).count()
+}
+
 #[test]
 fn found_work_waits_for_an_answer_also_after_a_save_under_another_name() {
     let (folder, path) = file();
@@ -418,10 +427,12 @@ fn found_work_waits_for_an_answer_also_after_a_save_under_another_name() {
     assert!(work.is_some());
     editor.save_as(&folder.path().join("b.ron"), false).unwrap();
     assert_eq!(editor.found_work(), work.as_ref());
+    // Of the old name, only the file with the found work is in use.
+    assert_eq!(locked_files(&recovery), 2);
     editor.discard_found_work();
     assert_eq!(editor.found_work(), None);
-    drop(editor);
     assert_eq!(visit(&path, &recovery, |_| {}), None);
+    drop(editor);
 }
 
 #[test]

@@ -27,18 +27,26 @@ pub struct UnsavedWork {
     pub text: String,
 }
 
+/// Unsaved work of an earlier run, with its file, which is locked.
+#[derive(Debug)]
+struct Found {
+    path: PathBuf,
+    work: UnsavedWork,
+    _lock: LockedFile,
+}
+
 /// Files with unsaved work. Each run has a file of its own.
 #[derive(Debug)]
 pub(super) struct Recovery {
     folder: PathBuf,
     /// The part of the names of its files that stands for the layout.
     stem: String,
-    /// Locks of the file of this run and of the files in `found`.
-    locks: Vec<LockedFile>,
+    /// Lock of the file of this run.
+    _lock: Option<LockedFile>,
     /// Another editor has the layout open.
     is_open_elsewhere: bool,
-    /// Work of earlier runs that is neither restored nor discarded yet, with its files.
-    found: VecDeque<(PathBuf, UnsavedWork)>,
+    /// Work of earlier runs that is neither restored nor discarded yet.
+    found: VecDeque<Found>,
     jobs: Option<Sender<Job>>,
     /// The other end, to drop a job that is out of date.
     queued: Receiver<Job>,
@@ -54,11 +62,10 @@ const MAX_FOUND: usize = 16;
 /// The files of a layout that this run locks.
 #[derive(Default)]
 struct Slots {
-    locks: Vec<LockedFile>,
-    /// The file of this run.
-    own: Option<PathBuf>,
-    /// Work of earlier runs, with its files.
-    found: VecDeque<(PathBuf, UnsavedWork)>,
+    /// The file of this run, with its lock.
+    own: Option<(PathBuf, LockedFile)>,
+    /// Work of earlier runs.
+    found: VecDeque<Found>,
     /// Another editor holds a lock.
     is_open_elsewhere: bool,
 }
@@ -91,11 +98,14 @@ impl Slots {
                 Err(TryLockError::Error(error)) => return Err(error.into()),
             };
             match read(&path).filter(|work| work.text != text) {
-                Some(work) => slots.found.push_back((path, work)),
-                None if slots.own.is_none() => slots.own = Some(path),
-                None => continue,
+                Some(work) => slots.found.push_back(Found {
+                    path,
+                    work,
+                    _lock: lock,
+                }),
+                None if slots.own.is_none() => slots.own = Some((path, lock)),
+                None => {}
             }
-            slots.locks.push(lock);
         }
         Ok(slots)
     }
@@ -106,8 +116,8 @@ impl Slots {
 struct Job {
     /// The content; `None`: there is nothing unsaved.
     content: Option<String>,
-    /// Files of earlier runs that are removed after it.
-    answered: Vec<PathBuf>,
+    /// Work of earlier runs whose files are removed after it. They are locked until then.
+    answered: Vec<Found>,
 }
 
 impl LayoutEditor {
@@ -122,8 +132,8 @@ impl LayoutEditor {
 
     /// Returns unsaved work of an earlier run that is neither restored nor discarded yet.
     pub fn found_work(&self) -> Option<&UnsavedWork> {
-        let (_, work) = self.recovery.as_ref()?.found.front()?;
-        Some(work)
+        let found = self.recovery.as_ref()?.found.front()?;
+        Some(&found.work)
     }
 
     /// Returns `true` if another Studio had the same layout open at the start. Either can save: the other one merges, or asks.
@@ -143,20 +153,20 @@ impl LayoutEditor {
 
     /// Continues with the found work. Undo restores the text before.
     pub fn restore_found_work(&mut self) {
-        if let Some((path, work)) = self.pop_found_work() {
-            self.replace_text(&work.text);
-            self.keep_work(vec![path]);
+        if let Some(found) = self.pop_found_work() {
+            self.replace_text(&found.work.text);
+            self.keep_work(vec![found]);
         }
     }
 
     /// Discards the found work.
     pub fn discard_found_work(&mut self) {
-        if let Some((path, _)) = self.pop_found_work() {
-            self.keep_work(vec![path]);
+        if let Some(found) = self.pop_found_work() {
+            self.keep_work(vec![found]);
         }
     }
 
-    fn pop_found_work(&mut self) -> Option<(PathBuf, UnsavedWork)> {
+    fn pop_found_work(&mut self) -> Option<Found> {
         self.recovery.as_mut()?.found.pop_front()
     }
 
@@ -187,10 +197,7 @@ impl LayoutEditor {
         }
         match Recovery::start(&recovery.folder, name, &self.text) {
             Ok(mut moved) => {
-                if !recovery.found.is_empty() {
-                    moved.found.append(&mut recovery.found);
-                    moved.locks.append(&mut recovery.locks);
-                }
+                moved.found.append(&mut recovery.found);
                 *recovery = moved;
             }
             Err(failure) => {
@@ -225,8 +232,8 @@ impl LayoutEditor {
         format!("{HEAD}{}\n{text}", self.name().escape_debug())
     }
 
-    /// Keeps the present text, and then removes these files of earlier runs.
-    fn keep_work(&mut self, answered: Vec<PathBuf>) {
+    /// Keeps the present text, and then removes the files of this work of earlier runs.
+    fn keep_work(&mut self, answered: Vec<Found>) {
         let Some(recovery) = &self.recovery else {
             return;
         };
@@ -244,7 +251,8 @@ impl Recovery {
         files::create_private_folder(folder)?;
         let stem = stem(name);
         let slots = Slots::lock(folder, &stem, text)?;
-        let path = slots.own.unwrap_or_default();
+        let (path, lock) = slots.own.unzip();
+        let path = path.unwrap_or_default();
         let (jobs, queued) = bounded(1);
         let error = Arc::default();
         let writer = thread::Builder::new().name("recovery".into()).spawn({
@@ -254,7 +262,7 @@ impl Recovery {
         Ok(Self {
             folder: folder.to_owned(),
             stem,
-            locks: slots.locks,
+            _lock: lock,
             is_open_elsewhere: slots.is_open_elsewhere,
             found: slots.found,
             jobs: Some(jobs),
@@ -295,7 +303,8 @@ fn run(jobs: &Receiver<Job>, path: &Path, error: &Mutex<Option<String>>) {
             Some(content) => files::replace_private_text(path, content),
             None => remove(path),
         };
-        let outcome = outcome.and_then(|()| job.answered.iter().try_for_each(|it| remove(it)));
+        let mut answered = job.answered.iter();
+        let outcome = outcome.and_then(|()| answered.try_for_each(|found| remove(&found.path)));
         let message = outcome.err().map(|failure| {
             format!(
                 "unsaved work is not kept: {failure}; save the layout soon: {}",
