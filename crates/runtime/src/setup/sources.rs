@@ -94,10 +94,6 @@ fn start_stream_in(folder: &Path, stream: &mut StreamUri) {
     if stream.transport.scheme.name == "file" {
         start(&mut stream.address);
     }
-    // An option in the text of a source cannot contain it.
-    if folder.to_string_lossy().contains('&') {
-        return;
-    }
     // A token without a folder is one of the network folder.
     if let Some(file) = &mut stream.token_file
         && network::token_path(file).is_ok_and(|path| path == Path::new(file))
@@ -446,10 +442,13 @@ mod tests {
 
     #[test]
     fn relative_paths_of_sources_start_in_the_folder_of_the_setup() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("setup.ron");
-        std::fs::write(folder.path().join("lift.txt"), "lift").unwrap();
-        let there = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+        let parent = tempfile::tempdir().unwrap();
+        let folder = parent.path().join("desk & hand");
+        std::fs::create_dir(&folder).unwrap();
+        let path = folder.join("setup.ron");
+        std::fs::write(folder.join("lift.txt"), "lift").unwrap();
+        let there = |name: &str| folder.join(name).to_string_lossy().into_owned();
+        let in_option = |name: &str| there(name).replace('&', "%26");
         for (written, expected) in [
             (
                 "recording:days/one.mcap",
@@ -463,12 +462,12 @@ mod tests {
                 "headset:192.168.1.7:8443?page=web&layout=numpad",
                 format!(
                     "headset:192.168.1.7:8443?page={}&layout=numpad",
-                    there("web")
+                    in_option("web")
                 ),
             ),
             (
                 "tcp+tls:desk:8443?token_file=./desk.token",
-                format!("tcp+tls:desk:8443?token_file={}", there("./desk.token")),
+                format!("tcp+tls:desk:8443?token_file={}", in_option("./desk.token")),
             ),
             (
                 "tcp+tls:desk:8443?token_file=desk.token",

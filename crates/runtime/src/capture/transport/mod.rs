@@ -160,12 +160,12 @@ impl fmt::Display for StreamUri {
             write!(f, "&origin={origin}")?;
         }
         if let Some(file) = &self.token_file {
-            write!(f, "&token_file={file}")?;
+            write!(f, "&token_file={}", written_path(file))?;
         }
         if let Some(pages) = &self.pages {
-            write!(f, "&page={}", pages.folder)?;
+            write!(f, "&page={}", written_path(&pages.folder))?;
             if let Some(layout) = &pages.layout {
-                write!(f, "&layout={layout}")?;
+                write!(f, "&layout={}", written_path(layout))?;
             }
         }
         if let Some(router) = &self.router {
@@ -176,6 +176,18 @@ impl fmt::Display for StreamUri {
             None => Ok(()),
         }
     }
+}
+
+/// Returns a path as the value of an option. The characters that separate options are escaped as in links.
+fn written_path(path: &str) -> String {
+    let escaped = path.replace('%', "%25");
+    escaped.replace('&', "%26").replace('?', "%3F")
+}
+
+/// Returns the path in the value of an option.
+pub(super) fn parse_path(value: &str) -> String {
+    let separators = value.replace("%26", "&").replace("%3F", "?");
+    separators.replace("%25", "%")
 }
 
 /// Opens the source of `uri` through `connector`.

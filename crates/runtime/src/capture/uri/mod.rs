@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use self::values::{parse_baud, parse_delay, parse_origin, parse_token_file};
+use self::values::{parse_baud, parse_delay, parse_origin, parse_path, parse_token_file};
 use super::protocol::{Carriers, PROTOCOLS, Protocol, StreamFormat};
 use super::transport::{HeadsetPages, Scheme, StreamUri, TRANSPORTS, Transport, openxr};
 use super::{CaptureError, PositionNoise};
@@ -417,8 +417,8 @@ fn parse_options(options: &str, transport: Option<&Transport>) -> Result<ParsedO
             "origin" if scheme == "ws" => origin = Some(parse_origin(value)?),
             "token_file" if needs_token => token_file = Some(parse_token_file(value)?),
             "router" if scheme == "zenoh" => router = Some(parse_router(value)?),
-            "page" if scheme == "headset" => page = Some(value.to_owned()),
-            "layout" if scheme == "headset" => layout = Some(value.to_owned()),
+            "page" if scheme == "headset" => page = Some(parse_path(value)),
+            "layout" if scheme == "headset" => layout = Some(parse_path(value)),
             "rate_hz" if scheme == "openxr" => rate_hz = Some(openxr::parse_rate(value)?),
             _ => set_option(&mut format, key, value)?,
         }

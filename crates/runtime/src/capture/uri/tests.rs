@@ -126,6 +126,23 @@ fn every_kind_of_source_has_a_uri() {
 }
 
 #[test]
+fn a_path_in_an_option_may_contain_the_characters_that_separate_options() {
+    let text = "headset:127.0.0.1:8443?page=a%26b=1/what%3Fc=d/100%/%2526&layout=x%26y.ron";
+    let uri: SourceUri = text.parse().unwrap();
+    let SourceUri::Stream(stream) = &uri else {
+        panic!("{uri:?}");
+    };
+    let pages = stream.pages.as_ref().expect("a page");
+    assert_eq!(pages.folder, "a&b=1/what?c=d/100%/%26");
+    assert_eq!(pages.layout.as_deref(), Some("x&y.ron"));
+    assert_eq!(uri.to_string().parse::<SourceUri>().unwrap(), uri);
+    let with_token = "tcp+tls:desk:8443?token_file=a%26b/desk.token";
+    let secure: SourceUri = with_token.parse().unwrap();
+    assert_eq!(secure.token_file(), Some("a&b/desk.token"));
+    assert_eq!(secure.to_string().parse::<SourceUri>().unwrap(), secure);
+}
+
+#[test]
 fn the_rate_of_a_headset_is_the_rate_of_the_source_and_not_of_a_file_of_its_lines() {
     let format = StreamFormat::new(&crate::capture::protocol::joint_sets::OPENXR);
     for (text, rate_hz) in [

@@ -4,6 +4,7 @@ use std::num::NonZeroU32;
 use std::time::Duration;
 
 use super::super::transport::MAX_DELAY;
+pub(super) use super::super::transport::parse_path;
 use ademan_core::message::escape;
 
 pub(super) fn parse_baud(value: &str) -> Result<NonZeroU32, String> {
@@ -45,6 +46,6 @@ pub(super) fn parse_token_file(value: &str) -> Result<String, String> {
             "`token_file=` is followed by a token, which others can see there; revoke it, and write the name of a file"
                 .to_owned(),
         ),
-        _ => Ok(value.to_owned()),
+        _ => Ok(parse_path(value)),
     }
 }
