@@ -142,6 +142,8 @@ impl PlanGesture {
                     band: None,
                 }
             }
+            // A press beside the middle of a handle, and a drag that returns there.
+            Self::Handle { from, .. } if *from == point => PlanChange::default(),
             Self::Handle { from, handle, item } => {
                 let is_snapped = snap.grid_mm > 0.0;
                 PlanChange {

@@ -311,6 +311,9 @@ fn a_handle_bends_a_curved_board_to_the_mouse() {
         let from = position_of(PlanHandle::Bend, &before, thumb, view).unwrap();
         let board = before.item(thumb).unwrap().board().unwrap();
         assert!((radius_at(board, view, from) - 60.0).abs() < 0.5, "{pose}");
+        let beside = from + Vec2::new(1.0, 1.0);
+        drag(&mut editor, view, beside, &[beside], SnapSettings::OFF);
+        assert_eq!(editor.text(), text, "a press beside the middle");
         let to = from + Vec2::new(4.0, 9.0);
         drag(&mut editor, view, from, &[to], SnapSettings::OFF);
         let radius: f64 = editor

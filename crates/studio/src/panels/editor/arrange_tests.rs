@@ -109,6 +109,10 @@ fn a_click_on_the_handle_of_a_bend_changes_nothing_and_a_drag_bends() {
     let beside = window.at(handle.x, handle.y) + vec2(3.0, 3.0);
     window.click(beside);
     assert_eq!(window.text(), text);
+    start_drag(&mut window, beside, vec2(0.0, 40.0));
+    window.event(Event::PointerMoved(beside));
+    window.button(beside, false);
+    assert_eq!(window.text(), text, "a drag that returns");
     let end = start_drag(&mut window, beside, vec2(0.0, 40.0));
     window.button(end, false);
     let bent = window.text();

@@ -180,11 +180,15 @@ fn handle_mouse(
     }
     let is_down = ui.input(|input| input.pointer.button_down(PointerButton::Primary));
     if panel.dragged_radius.is_some() {
-        // A press beside the middle of the handle bends nothing.
-        let has_moved =
-            ui.input(|input| input.pointer.press_origin() != input.pointer.interact_pos());
-        if has_moved && response.dragged_by(PointerButton::Primary) {
-            drag_bend(panel, point);
+        if response.dragged_by(PointerButton::Primary) {
+            let is_at_start =
+                ui.input(|input| input.pointer.press_origin() == input.pointer.interact_pos());
+            if is_at_start {
+                // A press beside the middle of the handle bends nothing, nor does a drag that returns there.
+                panel.dragged_radius = panel.items.radius;
+            } else {
+                drag_bend(panel, point);
+            }
         }
         if !is_down {
             end_bend(panel);
