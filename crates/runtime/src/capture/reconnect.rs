@@ -183,6 +183,7 @@ mod tests {
 
     use super::*;
     use crate::capture::connection::ByteStream;
+    use crate::output::tests::wait_until;
 
     const TIMEOUT: Duration = Duration::from_secs(60);
 
@@ -244,11 +245,7 @@ mod tests {
         let connector = failing(&["absent"; 1000]);
         let attempts = connector.attempts.clone();
         let reconnect = Reconnect::start(connector, BackOff(Duration::from_millis(1)));
-        let start = Instant::now();
-        while attempts.load(Ordering::SeqCst) == 0 {
-            assert!(start.elapsed() < TIMEOUT, "no attempt");
-            std::thread::yield_now();
-        }
+        wait_until("an attempt", || attempts.load(Ordering::SeqCst) > 0);
         let events = reconnect.events.clone();
         drop(reconnect);
         assert_eq!(

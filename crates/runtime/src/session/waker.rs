@@ -71,6 +71,7 @@ mod tests {
     use crossbeam_channel::bounded;
 
     use super::*;
+    use crate::output::tests::wait_until;
 
     #[test]
     fn the_queues_are_looked_into_only_after_a_wake_up() {
@@ -111,11 +112,7 @@ mod tests {
             sent.expect("no message is missed");
             waker.wake();
         }
-        let start = std::time::Instant::now();
-        while !receiver.is_finished() {
-            assert!(start.elapsed().as_secs() < 60, "the last message is missed");
-            thread::yield_now();
-        }
+        wait_until("the last message", || receiver.is_finished());
         receiver.join().unwrap();
     }
 }

@@ -9,6 +9,7 @@ use crate::capture::event_queue::QUEUE_CAPACITY;
 #[cfg(target_os = "linux")]
 use crate::capture::suspend::SuspendDetector;
 use crate::capture::{Channels, Reading, Sample, SourceEvent, SourceStats};
+use crate::output::tests::wait_until;
 use ademan_core::command::Command;
 use ademan_core::time::Timestamp;
 
@@ -218,11 +219,7 @@ fn readings_that_are_ready_come_together_in_their_order() {
 fn dropping_stops_a_thread_that_waits_for_room() {
     let (source, _done) = scripted(100, false, |step| Ok(reading(step)));
     let capture = spawn(source).unwrap();
-    let start = Instant::now();
-    while capture.events().len() < QUEUE_CAPACITY {
-        assert!(start.elapsed() < TIMEOUT, "the queue does not fill");
-        std::thread::yield_now();
-    }
+    wait_until("a full queue", || capture.events().len() >= QUEUE_CAPACITY);
     let ended = capture.ended.clone();
     drop(capture);
     assert_eq!(
@@ -242,11 +239,7 @@ fn dropping_leaves_a_blocked_thread_behind() {
         Ok(SourceEvent::Idle)
     });
     let capture = spawn(source).unwrap();
-    let start = Instant::now();
-    while !BLOCKS.load(Ordering::SeqCst) {
-        assert!(start.elapsed() < TIMEOUT, "the source is not read");
-        std::thread::yield_now();
-    }
+    wait_until("a read", || BLOCKS.load(Ordering::SeqCst));
     drop(capture);
     assert!(!GOES_ON.load(Ordering::SeqCst));
 }

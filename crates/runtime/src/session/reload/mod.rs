@@ -117,6 +117,7 @@ mod tests {
     use super::watched_file::tests::text;
     use super::*;
     use crate::files::Load;
+    use crate::output::tests::wait_until;
     use crate::session::layout_link::LayoutOperation;
     use crossbeam_channel::{Receiver, RecvTimeoutError};
     use std::fs;
@@ -271,11 +272,7 @@ mod tests {
         let layout = Layout::load(path.to_str().unwrap()).unwrap();
         let session = TestLoop::paused(layout, Some(&path), |_| Ok(()));
         fs::write(&path, text("B")).unwrap();
-        let start = Instant::now();
-        while !session.has_swap() {
-            assert!(start.elapsed() < TIMEOUT, "no swap");
-            thread::sleep(Duration::from_millis(5));
-        }
+        wait_until("a swap", || session.has_swap());
         let reports = session.reports.clone();
         drop(session);
         assert_ended(&reports);

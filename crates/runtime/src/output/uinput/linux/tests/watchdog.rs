@@ -8,6 +8,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use super::*;
+use crate::output::tests::wait_until;
 use crate::output::watchdog::{HEARTBEAT_INTERVAL, MAX_REPLY_AGE, WatchdogMessage};
 
 /// Longest wait on a busy machine.
@@ -76,7 +77,7 @@ impl RecordedWatchdog {
 
     /// Waits until the messages without heartbeats, whose number depends on time, are `expected`.
     fn wait_for_messages(&self, expected: &str) {
-        wait_for(expected, || self.messages().replace('a', "") == expected);
+        wait_until(expected, || self.messages().replace('a', "") == expected);
     }
 
     fn kill(&self) {
@@ -90,14 +91,6 @@ impl RecordedWatchdog {
     fn is_ready(&self) -> bool {
         // The shell creates the file before it writes.
         fs::read_to_string(self.process_path()).is_ok_and(|text| text.ends_with('\n'))
-    }
-}
-
-fn wait_for(what: &str, mut condition: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !condition() {
-        assert!(start.elapsed() < TIMEOUT, "no {what}");
-        sleep(Duration::from_millis(1));
     }
 }
 
@@ -117,7 +110,7 @@ fn presses_are_reported_to_the_watchdog_before_and_releases_after_they_are_sent(
     watchdog.wait_for_messages("ddux");
     sleep(HEARTBEAT_INTERVAL);
     devices.send(&[]).unwrap();
-    wait_for("heartbeat", || watchdog.messages().ends_with('a'));
+    wait_until("heartbeat", || watchdog.messages().ends_with('a'));
     devices.close().unwrap();
     watchdog.wait_for_messages("dduxcu");
     let messages = watchdog.messages();
@@ -133,7 +126,7 @@ fn when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_
     let recorder = Recorder::default();
     let mut keyboard = recorder.keyboard(&["A", "B"]);
     keyboard.start_watchdog(&watchdog.settings()).unwrap();
-    wait_for("watchdog", || watchdog.is_ready());
+    wait_until("watchdog", || watchdog.is_ready());
     keyboard.send(&[down(1, "A")]).unwrap();
     watchdog.kill();
     let start = Instant::now();
@@ -150,7 +143,7 @@ fn when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_
         ["keyboard: key 30=1", "keyboard: key 30=0"]
     );
     assert_eq!(keyboard.dropped_presses(), 1);
-    wait_for("second watchdog", || watchdog.is_ready());
+    wait_until("second watchdog", || watchdog.is_ready());
     assert_eq!(watchdog.losses.load(Ordering::Relaxed), 1);
     while recorder.report_count() == 0 {
         assert!(start.elapsed() < TIMEOUT);
@@ -177,7 +170,7 @@ fn a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released() {
     let recorder = Recorder::default();
     let mut keyboard = recorder.keyboard(&["A"]);
     keyboard.start_watchdog(&watchdog.settings()).unwrap();
-    wait_for("watchdog", || watchdog.is_ready());
+    wait_until("watchdog", || watchdog.is_ready());
     keyboard.send(&[down(1, "A")]).unwrap();
     fs::remove_file(watchdog.process_path()).unwrap();
     let start = Instant::now();
@@ -189,7 +182,7 @@ fn a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released() {
         recorder.reports(),
         ["keyboard: key 30=1", "keyboard: key 30=0"]
     );
-    wait_for("replacement", || watchdog.is_ready());
+    wait_until("replacement", || watchdog.is_ready());
     assert_eq!(watchdog.losses.load(Ordering::Relaxed), 1);
 }
 
@@ -199,7 +192,7 @@ fn a_watchdog_that_is_lost_while_nothing_is_pressed_is_replaced() {
     let recorder = Recorder::default();
     let mut keyboard = recorder.keyboard(&["A"]);
     keyboard.start_watchdog(&watchdog.settings()).unwrap();
-    wait_for("loss", || {
+    wait_until("loss", || {
         keyboard.send(&[]).unwrap();
         watchdog.losses.load(Ordering::Relaxed) == 1
     });
@@ -220,10 +213,10 @@ fn a_restart_that_panics_is_an_error_of_the_output() {
         ..watchdog.settings()
     };
     keyboard.start_watchdog(&settings).unwrap();
-    wait_for("watchdog", || watchdog.is_ready());
+    wait_until("watchdog", || watchdog.is_ready());
     watchdog.kill();
     let mut message = String::new();
-    wait_for("error", || match keyboard.send(&[]) {
+    wait_until("error", || match keyboard.send(&[]) {
         Ok(()) => false,
         Err(error) => {
             message = error.to_string();
