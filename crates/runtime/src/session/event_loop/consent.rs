@@ -14,7 +14,7 @@ impl SessionLoop<'_> {
         self.events.clear();
         if has_changed && self.pipeline.withdraw_allowed_keys(&mut self.events) {
             tracing::warn!(
-                "another sender has followed the one that keys were allowed for: the roles of the setup apply again; `ademan ctl allow-keys` allows keys"
+                "another sender has followed the one that keys were allowed for: the roles of the setup apply again; allow keys once more if this one may type"
             );
             self.send_events()?;
             // A replay has no senders.
