@@ -101,11 +101,11 @@ fn taps_on_a_board_with_swipes_are_the_same_events() {
     }
 }
 
-/// A hand whose index finger is not known for some time.
-struct Hiding<S> {
-    hand: S,
-    channels: Vec<usize>,
-    hidden: Range<Timestamp>,
+/// A hand of which some channels are not known for some time.
+pub struct Hiding<S> {
+    pub hand: S,
+    pub channels: Vec<usize>,
+    pub hidden: Range<Timestamp>,
 }
 
 impl<S: Source> Source for Hiding<S> {

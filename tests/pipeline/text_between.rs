@@ -6,7 +6,9 @@ use ademan::command::{Command, CommandOrigin, TextMode};
 use ademan::device::Events;
 use ademan::setup::{LoadedSetup, ProfileSetup, Setup};
 use ademan::text::{TextModeSetup, TextSetup};
+use ademan::time::Timestamp;
 
+use super::swipes::Hiding;
 use super::text::play;
 use crate::support::checked::CheckedPipeline;
 
@@ -151,6 +153,35 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_profile_without_a_decoder() {
     assert_eq!(typed("tap C; tap Space"), "a c the the ");
     // A modifier alone types nothing.
     assert_eq!(typed("tap C; tap Space; tap ShiftLeft"), "a c the the ");
+}
+
+#[test]
+fn a_hand_that_leaves_the_view_in_a_word_drops_it() {
+    let setup = load(TextModeSetup::Auto);
+    let rows = setup.glove.as_ref().expect("a glove").map.rows();
+    let of_fingers = rows.iter().filter(|row| row.dof.finger().is_some());
+    let channels: Vec<usize> = of_fingers.map(|row| row.channel).collect();
+    let script = format!("tap T; tap E; wait 1500; tap H; tap Space; {WORD}");
+    let scripted = || {
+        let hand = setup.scripted(&script, &Hc11Format::default(), 0.0, 0);
+        hand.expect("a script")
+    };
+    let mut second_press = None;
+    let seen = play(&setup, scripted(), |presses, pipeline, _| {
+        if presses == 2 {
+            second_press.get_or_insert(pipeline.time());
+        }
+    });
+    assert_eq!(seen.text, "the the ");
+    // In the wait behind the second letter.
+    let from = second_press.expect("two letters").0 + 700_000;
+    let hiding = Hiding {
+        hand: scripted(),
+        channels,
+        hidden: Timestamp(from)..Timestamp(from + 300_000),
+    };
+    let hidden = play(&setup, hiding, |_, _, _| {});
+    assert_eq!(hidden.text, "teh the ");
 }
 
 #[test]

@@ -43,6 +43,8 @@ pub struct LayoutInstance {
     bend_trackers: [BendTracker; Side::COUNT],
     /// The tracking of each hand, by side.
     hands: [HandWatch; Side::COUNT],
+    /// `true` if a hand was lost in the last step.
+    has_lost_hand: bool,
     key_arbiter: KeyArbiter,
     devices: Vec<Box<dyn VirtualDevice>>,
     pub(super) auto_recenter: AutoRecenterState,
@@ -76,6 +78,7 @@ impl LayoutInstance {
             follows_body: scene.follows_body(),
             bend_trackers: Default::default(),
             hands: Default::default(),
+            has_lost_hand: false,
             scene,
             target_names,
             key_arbiter: KeyArbiter::default(),
@@ -328,6 +331,7 @@ impl LayoutInstance {
             device.update(&input, &mut output);
         }
         let is_lost = self.hands[side.index()].update(&step.estimate);
+        self.has_lost_hand = is_lost;
         if is_lost {
             release_hand(&mut self.devices, side, step.pose.time, &mut output);
         }
@@ -344,6 +348,11 @@ impl LayoutInstance {
             move_releases_first(&mut events[first..]);
         }
         self.key_arbiter.take_dropped_presses()
+    }
+
+    /// Returns `true` if the last step has shown that its hand is lost.
+    pub(super) fn has_lost_hand(&self) -> bool {
+        self.has_lost_hand
     }
 
     /// Notes that a source of a hand was lost: the next step releases what the hand has locked and switched on.

@@ -31,6 +31,13 @@ impl Pipeline {
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
         let replacing = layout.take_replacing_presses();
+        if layout.has_lost_hand() && self.gate.allows_keys(index) {
+            // The hand may be at another keyboard or mouse by now.
+            self.filters.reset();
+            if let Some(decoder) = layout.filter_mut() {
+                decoder.reset();
+            }
+        }
         let (filter, scene, arbiter) = layout.filter_parts();
         let step = FilteredStep {
             pose: &output.pose,
