@@ -23,6 +23,12 @@ use crate::output::ime::client::{Action, Request, Shared};
 /// Longest time that text waits for a key, which a window manager may have taken.
 const KEY_TIMEOUT: Duration = Duration::from_millis(100);
 
+/// `IBUS_KEY_BackSpace`.
+const BACKSPACE: u32 = 0xff08;
+
+/// Longest time from a Backspace to the `Reset` of a field that executes it.
+const RESET_TIME: Duration = Duration::from_millis(100);
+
 /// `IBUS_RELEASE_MASK`.
 const RELEASE: u32 = 1 << 30;
 
@@ -67,6 +73,8 @@ pub(super) struct Engine<'a> {
     shown: String,
     /// The key presses of the output of keys that the daemon has shown.
     seen: u32,
+    /// The time of the last Backspace among them.
+    backspace_at: Option<Instant>,
     /// Requests that wait for keys, and since when.
     waiting: VecDeque<Request>,
     waiting_since: Instant,
@@ -84,6 +92,7 @@ impl<'a> Engine<'a> {
             kind: FieldKind::Text,
             shown: String::new(),
             seen: shared.presses(),
+            backspace_at: None,
             waiting: VecDeque::new(),
             waiting_since: Instant::now(),
         }
@@ -250,14 +259,15 @@ impl<'a> Engine<'a> {
             }
             "Disable" => self.set_enabled(false),
             // The program has moved its cursor, or emptied its field.
-            "Reset" => self.enter_field(),
+            "Reset" if !is_of_backspace(self.backspace_at, &self.shown) => self.enter_field(),
             "CandidateClicked" => {
                 let Some((index, ..)) = arguments::<(u32, u32, u32)>(message) else {
                     return self.bus.refuse_arguments(message);
                 };
                 self.shared.choose(candidate_number(index));
             }
-            "SetCapabilities"
+            "Reset"
+            | "SetCapabilities"
             | "SetCursorLocation"
             | "SetSurroundingText"
             | "PageUp"
@@ -277,13 +287,16 @@ impl<'a> Engine<'a> {
 
     /// Lets every key pass to the program, after the text that precedes it.
     fn process_key(&mut self, message: &Message) -> zbus::Result<()> {
-        let Some((_, _, state)) = arguments::<(u32, u32, u32)>(message) else {
+        let Some((key, _, state)) = arguments::<(u32, u32, u32)>(message) else {
             return self.bus.refuse_arguments(message);
         };
         let is_press = state & RELEASE == 0;
         let expected = self.shared.presses();
         if is_press && self.seen != expected {
             self.seen = self.seen.wrapping_add(1);
+            if key == BACKSPACE {
+                self.backspace_at = Some(Instant::now());
+            }
         } else if is_press && !self.shown.is_empty() {
             // The key is from another keyboard.
             let word = std::mem::take(&mut self.shown);
@@ -350,6 +363,12 @@ fn arguments<T: for<'a> DynamicDeserialize<'a>>(message: &Message) -> Option<T> 
     body.deserialize().ok()
 }
 
+/// Returns `true` if a `Reset` belongs to a Backspace of this program: fields of GTK send one when they execute it. The text that waits
+/// for the Backspaces of a correction is for the same field. A field that shows a word takes it with a `Reset`.
+fn is_of_backspace(backspace_at: Option<Instant>, shown: &str) -> bool {
+    shown.is_empty() && backspace_at.is_some_and(|at| at.elapsed() < RESET_TIME)
+}
+
 /// Returns the number of a candidate, counted from 1, or 0 if no list is that long.
 fn candidate_number(index: u32) -> u8 {
     let number = index.checked_add(1);
@@ -378,6 +397,18 @@ mod tests {
         assert_eq!(arguments::<(u32, u32, u32)>(&message), None);
         let right = arguments::<(String, u32)>(&message);
         assert_eq!(right, Some(("text".to_owned(), 1)));
+    }
+
+    #[test]
+    fn a_reset_soon_after_a_backspace_keeps_the_field_unless_it_shows_a_word() {
+        let now = Instant::now();
+        // In the future, so that the test may come late.
+        let soon = now.checked_add(Duration::from_secs(600));
+        let late = now.checked_sub(2 * RESET_TIME);
+        assert!(is_of_backspace(soon, ""));
+        assert!(!is_of_backspace(soon, "th"));
+        assert!(!is_of_backspace(late, ""));
+        assert!(!is_of_backspace(None, ""));
     }
 
     #[test]
