@@ -4,7 +4,8 @@ use std::num::NonZeroU32;
 
 use ademan::capture::Hc11Format;
 use ademan::command::CommandOrigin;
-use ademan::text::TextModeSetup;
+use ademan::setup::Setup;
+use ademan::text::{TextModeSetup, TextSetup};
 
 use super::swipes::setup;
 use super::text::{Typed, play};
@@ -38,6 +39,25 @@ fn one_tap_is_one_letter_however_fast_the_taps_follow() {
     // Nothing is replaced before a candidate is taken.
     let first_letters = types(TextModeSetup::Suggest, text, &line(115_200));
     assert_eq!(first_letters, "tgd aaa gp at gmmd ");
+}
+
+#[test]
+fn a_word_with_an_accent_is_found_where_the_output_has_none() {
+    let setup = Setup {
+        layout: "phone-pad".into(),
+        text: Some(TextSetup {
+            mode: TextModeSetup::Auto,
+            language: "es".into(),
+            ..TextSetup::default()
+        }),
+        // A keyboard of the kernel has no `ó`.
+        output: "uinput".into(),
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("the shipped layout");
+    let typist = setup.typist("la cancion ", &line(115_200), 0.0, 0);
+    let typed = play(&setup, typist.expect("a text"), |_, _, _| {});
+    assert_eq!(typed.text, "la cancion ");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The keys of a layout that type characters, as the decoder sees them.
 
 use crate::keyboard::{ELSEWHERE, MAX_KEYS, Millimetres};
+use crate::model::alphabet;
 use crate::{Key, Keyboard};
 use parry3d::math::{Pose, Vec3};
 
@@ -216,14 +217,29 @@ impl TextKeys {
         base_character(character).map_or((plain, 0.0), |base| (base, SHIFTED))
     }
 
-    /// Returns the way in which a character is typed; `None` if it cannot be typed.
+    /// Returns the way in which a character is typed; `None` if it cannot be typed. Where letters share keys, a letter with an accent
+    /// that cannot be typed is typed without it: the first letter of its key would be no better.
     pub(super) fn typed(&self, character: char) -> Option<Typed> {
-        let by_key = [false, true].into_iter().find_map(|shifted| {
+        let by_key = self.typed_by_key(character);
+        let typed = by_key.or(self.has_text.then_some(Typed::Character(character)));
+        typed.or_else(|| {
+            let small = alphabet::plain(lower(character));
+            let letter = if character.is_uppercase() {
+                small.to_ascii_uppercase()
+            } else {
+                small
+            };
+            let is_shared = self.keyboard.has_shared_keys();
+            self.typed_by_key(letter).filter(|_| is_shared)
+        })
+    }
+
+    fn typed_by_key(&self, character: char) -> Option<Typed> {
+        [false, true].into_iter().find_map(|shifted| {
             let mut codes = self.codes.iter();
             let code = codes.find(|code| code.us_character(shifted) == Some(character))?;
             Some(Typed::Key(*code, shifted))
-        });
-        by_key.or(self.has_text.then_some(Typed::Character(character)))
+        })
     }
 }
 
@@ -355,6 +371,22 @@ mod tests {
             key.expect("a key").hand
         };
         characters.chars().map(hand).collect()
+    }
+
+    #[test]
+    fn a_letter_that_shares_its_key_is_typed_without_an_accent_that_cannot_be_typed() {
+        let typed = |layout: &str, has_text: bool, letter: char| {
+            let mut shipped = Layout::shipped().expect("valid layouts").into_iter();
+            let (_, found) = shipped.find(|(name, _)| *name == layout).expect("a layout");
+            let keys = TextKeys::new(&found, false).expect("letters");
+            keys.with_text(has_text).typed(letter)
+        };
+        let o: KeyCode = "O".parse().expect("the name of a key");
+        let key = |has_shift: bool| Some(Typed::Key(o, has_shift));
+        assert_eq!(typed("phone-pad", false, 'ó'), key(false));
+        assert_eq!(typed("phone-pad", false, 'Ó'), key(true));
+        assert_eq!(typed("phone-pad", true, 'ó'), Some(Typed::Character('ó')));
+        assert_eq!(typed("qwerty-flat", false, 'ó'), None);
     }
 
     #[test]
