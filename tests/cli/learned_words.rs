@@ -140,6 +140,7 @@ fn a_file_that_cannot_be_used_is_named_at_the_start() {
     let ended = typed(damaged.path(), &arguments);
     assert_eq!(ended.code, Some(2));
     assert!(ended.err.contains("me.ron:2:"), "{}", ended.err);
+    assert!(!ended.err.contains("Nuria"), "{}", ended.err);
     assert_eq!(ended.out, "");
 }
 

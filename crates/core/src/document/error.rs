@@ -19,9 +19,9 @@ const MAX_LINES: usize = 10;
 
 /// The errors in a file: at least one, at most 20.
 ///
-/// Each is displayed as `FILE:LINE:COLUMN: message`, followed by the source line and carets under the position. An error without a
-/// position, such as a file that cannot be read, is displayed as `FILE: message`. Errors with the same message are displayed once,
-/// with the lines of all.
+/// Each is displayed as `FILE:LINE:COLUMN: message`, followed by the source line and carets under the position, unless these are
+/// [left out](Self::without_excerpts). An error without a position, such as a file that cannot be read, is displayed as
+/// `FILE: message`. Errors with the same message are displayed once, with the lines of all.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct DocumentError {
     file: String,
@@ -50,8 +50,8 @@ struct TextPosition {
     column: usize,
     /// Number of underlined characters, at least 1.
     width: usize,
-    /// The text of the line.
-    source: String,
+    /// The text of the line; `None` if it is not shown.
+    source: Option<String>,
 }
 
 impl DocumentError {
@@ -145,6 +145,16 @@ impl DocumentError {
     /// Returns the column of the first error in characters, from 1, if it has a position.
     pub fn column(&self) -> Option<usize> {
         self.listed.first()?.column()
+    }
+
+    /// Leaves the lines of the file out, for a file of what a person has typed.
+    #[must_use]
+    pub fn without_excerpts(mut self) -> Self {
+        let positions = self.listed.iter_mut();
+        for position in positions.filter_map(|error| error.position.as_mut()) {
+            position.source = None;
+        }
+        self
     }
 }
 
@@ -256,7 +266,7 @@ impl TextPosition {
             line: 1 + text[..start].matches('\n').count(),
             column: 1 + text[line_start..start].chars().count(),
             width: text[start..end.min(line_end)].chars().count().max(1),
-            source: source.to_owned(),
+            source: Some(source.to_owned()),
         }
     }
 }
@@ -275,12 +285,15 @@ fn excerpt(position: &Option<TextPosition>) -> String {
     let Some(position) = position else {
         return String::new();
     };
-    let skipped = if position.source.chars().count() > EXCERPT_WIDTH {
+    let Some(source) = &position.source else {
+        return String::new();
+    };
+    let skipped = if source.chars().count() > EXCERPT_WIDTH {
         (position.column - 1).saturating_sub(EXCERPT_LEAD)
     } else {
         0
     };
-    let mut rest = position.source.chars().skip(skipped);
+    let mut rest = source.chars().skip(skipped);
     let head = if skipped > 0 { "…" } else { "" };
     let visible: String = rest
         .by_ref()
@@ -316,6 +329,14 @@ mod tests {
             error.to_string(),
             "a.ron:2:13: unknown field `kyes`\n 2 |  name: \"é\", kyes: []\n   |             ^^^^"
         );
+    }
+
+    #[test]
+    fn lines_that_a_person_has_typed_are_left_out() {
+        let text = "words: [\n\"Nuria\" \"Ana\"]";
+        let error = DocumentError::at("me.ron", text, 17..22, "expected a comma");
+        let shown = error.without_excerpts().to_string();
+        assert_eq!(shown, "me.ron:2:9: expected a comma");
     }
 
     #[test]
