@@ -57,6 +57,38 @@ pub(super) enum End {
     Daemon,
 }
 
+/// The keys of the output of keys that the daemon has shown.
+#[derive(Default)]
+struct KeysOfOutput {
+    /// The number of presses.
+    seen: u32,
+    /// The code of the last key, until its release: the receiver repeats this key.
+    held: Option<u32>,
+    /// The time of the last Backspace.
+    backspace_at: Option<Instant>,
+}
+
+impl KeysOfOutput {
+    /// Takes notice of a key: its symbol, its code and the modifiers. `sent` is the number of presses so far. Returns `true` if another
+    /// keyboard has pressed it.
+    fn is_of_other_keyboard(&mut self, (symbol, code, state): (u32, u32, u32), sent: u32) -> bool {
+        let is_last = self.held == Some(code);
+        if state & RELEASE != 0 {
+            self.held = self.held.filter(|_| !is_last);
+            return false;
+        }
+        if self.seen == sent {
+            return !is_last;
+        }
+        self.seen = self.seen.wrapping_add(1);
+        self.held = Some(code);
+        if symbol == BACKSPACE {
+            self.backspace_at = Some(Instant::now());
+        }
+        false
+    }
+}
+
 pub(super) struct Engine<'a> {
     bus: Bus,
     shared: &'a Shared,
@@ -71,10 +103,7 @@ pub(super) struct Engine<'a> {
     kind: FieldKind,
     /// The word that the field shows.
     shown: String,
-    /// The key presses of the output of keys that the daemon has shown.
-    seen: u32,
-    /// The time of the last Backspace among them.
-    backspace_at: Option<Instant>,
+    keys: KeysOfOutput,
     /// Requests that wait for keys, and since when.
     waiting: VecDeque<Request>,
     waiting_since: Instant,
@@ -91,8 +120,10 @@ impl<'a> Engine<'a> {
             asked_field: None,
             kind: FieldKind::Text,
             shown: String::new(),
-            seen: shared.presses(),
-            backspace_at: None,
+            keys: KeysOfOutput {
+                seen: shared.presses(),
+                ..KeysOfOutput::default()
+            },
             waiting: VecDeque::new(),
             waiting_since: Instant::now(),
         }
@@ -121,7 +152,7 @@ impl<'a> Engine<'a> {
                     Err(_) => return End::Daemon,
                 },
                 recv(timeout) -> _ => {
-                    self.seen = self.shared.presses();
+                    self.keys.seen = self.shared.presses();
                     self.execute_waiting()
                 }
             };
@@ -133,7 +164,7 @@ impl<'a> Engine<'a> {
 
     /// Executes the requests that wait, and restores the previous engine of the desktop.
     fn finish(mut self) {
-        self.seen = self.shared.presses();
+        self.keys.seen = self.shared.presses();
         let _ = self.execute_waiting();
         self.bus.close();
     }
@@ -150,7 +181,7 @@ impl<'a> Engine<'a> {
     fn execute_waiting(&mut self) -> zbus::Result<()> {
         while let Some(request) = self.waiting.pop_front() {
             // Counters wrap.
-            if (request.after_presses.wrapping_sub(self.seen) as i32) > 0 {
+            if (request.after_presses.wrapping_sub(self.keys.seen) as i32) > 0 {
                 self.waiting.push_front(request);
                 return Ok(());
             }
@@ -259,7 +290,7 @@ impl<'a> Engine<'a> {
             }
             "Disable" => self.set_enabled(false),
             // The program has moved its cursor, or emptied its field.
-            "Reset" if !is_of_backspace(self.backspace_at, &self.shown) => self.enter_field(),
+            "Reset" if !is_of_backspace(self.keys.backspace_at, &self.shown) => self.enter_field(),
             "CandidateClicked" => {
                 let Some((index, ..)) = arguments::<(u32, u32, u32)>(message) else {
                     return self.bus.refuse_arguments(message);
@@ -287,20 +318,15 @@ impl<'a> Engine<'a> {
 
     /// Lets every key pass to the program, after the text that precedes it.
     fn process_key(&mut self, message: &Message) -> zbus::Result<()> {
-        let Some((key, _, state)) = arguments::<(u32, u32, u32)>(message) else {
+        let Some(key) = arguments::<(u32, u32, u32)>(message) else {
             return self.bus.refuse_arguments(message);
         };
-        let is_press = state & RELEASE == 0;
-        let expected = self.shared.presses();
-        if is_press && self.seen != expected {
-            self.seen = self.seen.wrapping_add(1);
-            if key == BACKSPACE {
-                self.backspace_at = Some(Instant::now());
-            }
-        } else if is_press && !self.shown.is_empty() {
-            // The key is from another keyboard.
+        if self.keys.is_of_other_keyboard(key, self.shared.presses()) {
+            // It may have moved the cursor: later corrections must not reach back to the text before it.
             let word = std::mem::take(&mut self.shown);
-            self.commit(&word)?;
+            if !word.is_empty() {
+                self.commit(&word)?;
+            }
             self.enter_field();
         }
         self.bus.reply(message, &false)?;
@@ -397,6 +423,23 @@ mod tests {
         assert_eq!(arguments::<(u32, u32, u32)>(&message), None);
         let right = arguments::<(String, u32)>(&message);
         assert_eq!(right, Some(("text".to_owned(), 1)));
+    }
+
+    #[test]
+    fn keys_that_the_output_has_not_pressed_are_of_another_keyboard() {
+        const A: (u32, u32, u32) = (0x61, 30, 0);
+        const B: (u32, u32, u32) = (0x62, 48, 0);
+        let release = |(symbol, code, _)| (symbol, code, RELEASE);
+        let mut keys = KeysOfOutput::default();
+        assert!(!keys.is_of_other_keyboard(A, 1));
+        assert!(keys.is_of_other_keyboard(B, 1));
+        assert!(!keys.is_of_other_keyboard(release(B), 1));
+        assert!(!keys.is_of_other_keyboard(A, 1), "it is repeated");
+        assert!(!keys.is_of_other_keyboard(release(A), 1));
+        assert!(keys.is_of_other_keyboard(A, 1));
+        assert!(keys.backspace_at.is_none());
+        assert!(!keys.is_of_other_keyboard((BACKSPACE, 14, 0), 2));
+        assert!(keys.backspace_at.is_some());
     }
 
     #[test]
