@@ -5,16 +5,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::draft::Draft;
 use super::error::EditError;
 use super::geometry::{unsupported, without_children};
-use super::names::{Mention, chord_lists, mentions, name_of};
+use super::names::{Mention, chord_lists, mentions, name_of, value_names};
 use super::part::{ControlKind, Part, targets};
 use super::rows::SourceRow;
-use crate::document::Node;
+use crate::document::{Node, quoted_content};
 
 /// Deletes parts. Returns no parts.
 pub(super) fn delete(draft: &mut Draft, parts: &[Part]) -> Result<Vec<Part>, EditError> {
     let groups = whole_groups(draft, &without_children(parts));
     let parts = without_children(&[parts, &groups[..]].concat());
-    delete_mentions(draft, &key_names(draft, &parts))?;
+    let deleted = deleted_targets(draft, &parts);
+    delete_mentions(draft, &key_names(draft, &deleted))?;
+    delete_signals(draft, &signal_names(draft, &deleted));
     let mut rows: BTreeMap<(usize, usize), BTreeSet<usize>> = BTreeMap::new();
     for &part in &parts {
         match part {
@@ -53,11 +55,19 @@ fn whole_groups(draft: &Draft, parts: &[Part]) -> Vec<Part> {
     groups.into_iter().filter(is_whole).collect()
 }
 
-/// Returns the names of the keys in parts.
-fn key_names(draft: &Draft, parts: &[Part]) -> BTreeSet<String> {
-    let (text, tree) = (draft.text(), draft.tree());
+/// Returns the targets in parts.
+fn deleted_targets(draft: &Draft, parts: &[Part]) -> Vec<Part> {
     let parts: BTreeSet<Part> = parts.iter().copied().collect();
-    let is_key = |part: &Part| {
+    let is_deleted = |part: &Part| {
+        std::iter::successors(Some(*part), |part| part.parent()).any(|part| parts.contains(&part))
+    };
+    let all = targets(draft.text(), draft.tree()).into_iter();
+    all.filter(is_deleted).collect()
+}
+
+/// Returns the names of the keys among targets.
+fn key_names(draft: &Draft, deleted: &[Part]) -> BTreeSet<String> {
+    let is_key = |part: &&Part| {
         matches!(
             part,
             Part::RowKey { .. }
@@ -67,13 +77,35 @@ fn key_names(draft: &Draft, parts: &[Part]) -> BTreeSet<String> {
                 }
         )
     };
-    let is_deleted = |part: &Part| {
-        std::iter::successors(Some(*part), |part| part.parent()).any(|part| parts.contains(&part))
-    };
-    let keys = targets(text, tree).into_iter().filter(is_key);
-    keys.filter(is_deleted)
-        .filter_map(|part| name_of(text, tree, part))
+    let keys = deleted.iter().filter(is_key);
+    keys.filter_map(|part| name_of(draft.text(), draft.tree(), *part))
         .collect()
+}
+
+/// Returns the names that signals have for targets.
+fn signal_names(draft: &Draft, deleted: &[Part]) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for part in deleted {
+        if let Some(name) = name_of(draft.text(), draft.tree(), *part) {
+            names.extend(value_names(*part, &name));
+            names.insert(name);
+        }
+    }
+    names
+}
+
+/// Deletes the signals with these names. A signal without its control would be an error.
+fn delete_signals(draft: &mut Draft, names: &BTreeSet<String>) {
+    let Some(signals) = draft.field(Part::Layout, "signals").cloned() else {
+        return;
+    };
+    for (index, item) in signals.items().iter().enumerate() {
+        let quoted = item.key.clone();
+        let name = quoted.and_then(|key| quoted_content(&draft.text()[key]));
+        if name.is_some_and(|name| names.contains(name)) {
+            draft.remove(&signals, index);
+        }
+    }
 }
 
 /// Deletes labels, entries of layers, and chords with these keys.
@@ -95,6 +127,34 @@ fn delete_mentions(draft: &mut Draft, names: &BTreeSet<String>) -> Result<(), Ed
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::Document;
+    use crate::layout::Layout;
+
+    #[test]
+    fn a_control_is_deleted_with_its_signals() {
+        let text = Document::shipped("mixer").unwrap().text;
+        let first = |kind| Part::Control {
+            board: 0,
+            kind,
+            index: 0,
+        };
+        let without = |before: &str, parts: &[Part]| {
+            let mut draft = Draft::new(before).unwrap();
+            delete(&mut draft, parts).unwrap();
+            let after = draft.text().to_owned();
+            Layout::parse(&after, "a.ron").unwrap_or_else(|error| panic!("{error}"));
+            after
+        };
+        let fader = first(ControlKind::Slider);
+        let three = without(&text, &[fader, first(ControlKind::Toggle)]);
+        assert!(!three.contains("\"Fader 1\"") && !three.contains("\"Mute 1\""));
+        assert!(three.contains("\"Balance 1\": (control: 10"), "{three}");
+        let pads = Document::shipped("xy-pad").unwrap().text;
+        let one = without(&pads, &[first(ControlKind::XyPad)]);
+        assert!(!one.contains("\"Filter x\": (") && one.contains("\"Bend x\": ("));
+        let switch = without(&one, &[first(ControlKind::XyPad)]);
+        assert!(switch.contains("\"Effect\": (control: 80"), "{switch}");
+    }
 
     #[test]
     fn a_radio_group_is_deleted_with_all_of_its_options() {

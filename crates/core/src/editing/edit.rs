@@ -148,7 +148,7 @@ pub enum Edit {
         /// Offset of the copies, to the right and away from the wearer.
         by_mm: [f64; 2],
     },
-    /// Deletes parts. With a key, also its label, its entries in layers, and the chords that it takes part in.
+    /// Deletes parts, with their signals. With a key, also its label, its entries in layers, and the chords that it takes part in.
     Delete {
         /// Any parts but the layout.
         parts: Vec<Part>,

@@ -8,6 +8,7 @@ use super::error::EditError;
 use super::part::{ControlKind, Part, targets, words};
 use crate::device::KeyCode;
 use crate::document::{Node, quote, quoted_content};
+use crate::layout::controls::xy_pad::DIRECTIONS;
 use crate::layout::is_multitap;
 
 /// Returns the name of a part, as the loader gives it.
@@ -34,6 +35,21 @@ pub fn name_of(text: &str, tree: &Node, part: Part) -> Option<String> {
         }
         _ => string("name").map(str::to_owned),
     }
+}
+
+/// Returns the names of the values of a part with this name, if it has several: a signal is for one of them.
+pub(super) fn value_names(part: Part, name: &str) -> Vec<String> {
+    let is_pad = matches!(
+        part,
+        Part::Control {
+            kind: ControlKind::XyPad,
+            ..
+        }
+    );
+    let directions = DIRECTIONS.iter().filter(|_| is_pad);
+    directions
+        .map(|direction| format!("{name} {direction}"))
+        .collect()
 }
 
 /// Returns the name that a key has without one of its own: that in its action.

@@ -5,11 +5,10 @@ use std::ops::Range;
 use super::draft::Draft;
 use super::error::EditError;
 use super::geometry::unsupported;
-use super::names::{name_of, rename_mentions, sequence_key, taken};
+use super::names::{name_of, rename_mentions, sequence_key, taken, value_names};
 use super::part::{ControlKind, Part, targets};
 use super::rows::take_out;
 use crate::document::{Node, quote, quoted_content};
-use crate::layout::controls::xy_pad::DIRECTIONS;
 
 /// Changes the name of a part.
 pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Part>, EditError> {
@@ -50,16 +49,11 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
         if is_target {
             rename_mentions(draft, &old, name)?;
         }
+        let values = value_names(taken, &old).into_iter();
+        for (from, to) in values.zip(value_names(taken, name)) {
+            rename_mentions(draft, &from, &to)?;
+        }
         match taken {
-            Part::Control {
-                kind: ControlKind::XyPad,
-                ..
-            } => {
-                for direction in DIRECTIONS {
-                    let [from, to] = [&old, name].map(|it| format!("{it} {direction}"));
-                    rename_mentions(draft, &from, &to)?;
-                }
-            }
             Part::Layer(_) => rename_found(draft, name, |node, text, found| {
                 collect_layers(node, text, &old, found);
             }),
