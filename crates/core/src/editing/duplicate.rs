@@ -7,7 +7,7 @@ use super::draft::{Draft, written};
 use super::error::EditError;
 use super::geometry::{unsupported, without_children};
 use super::in_space;
-use super::names::{Mention, canonical, mentions, name_of, taken, unique};
+use super::names::{Mention, canonical, mentions, name_of, taken, unique, value_names};
 use super::part::{ControlKind, Part, targets};
 use super::patch::Patch;
 use super::rows::{SourceRow, take_out};
@@ -38,6 +38,15 @@ impl Names {
         let new = unique(&mut self.taken, name);
         self.copies.push([name.to_owned(), new.clone()]);
         new
+    }
+
+    /// Adds the values of the part that was copied last, if it has several.
+    fn add_values(&mut self, part: Part) {
+        if let Some([name, new]) = self.copies.last() {
+            let [old_values, new_values] = [name, new].map(|it| value_names(part, it));
+            let pairs = old_values.into_iter().zip(new_values);
+            self.copies.extend(pairs.map(|(from, to)| [from, to]));
+        }
     }
 }
 
@@ -198,6 +207,9 @@ fn copied_board(
             let name = name_of(own.text(), own.tree(), part);
             let node = own.node(part)?;
             let control = renamed(node.text(own.text()), name.as_deref(), names, [0.0; 2])?;
+            if name.is_some() {
+                names.add_values(part);
+            }
             own.replace(node.range.clone(), control);
         }
     }
@@ -228,7 +240,11 @@ pub(super) fn copy(
 ) -> Result<String, EditError> {
     let text = draft.text_of(draft.node(part)?);
     let name = name_of(draft.text(), draft.tree(), part);
-    renamed(&text, name.as_deref(), names, by_mm)
+    let copied = renamed(&text, name.as_deref(), names, by_mm)?;
+    if name.is_some() {
+        names.add_values(part);
+    }
+    Ok(copied)
 }
 
 /// Returns the text of a part of this name with new names, at an offset.
@@ -355,6 +371,22 @@ mod tests {
                 .board_overlaps()
                 .is_empty()
         );
+    }
+
+    #[test]
+    fn a_copied_control_has_the_signals_of_its_values() {
+        let text = Document::shipped("xy-pad").unwrap().text;
+        let pad = Part::Control {
+            board: 0,
+            kind: ControlKind::XyPad,
+            index: 0,
+        };
+        for (part, by_mm) in [(pad, [0.0, 120.0]), (Part::Board(0), [400.0, 0.0])] {
+            let copied = duplicate_parts(&text, &[part], by_mm).unwrap().text;
+            Layout::parse(&copied, "a.ron").unwrap_or_else(|error| panic!("{error}"));
+            let signal = "\"Filter 2 y\": (control: 71, osc: \"/filter/resonance\")";
+            assert!(copied.contains(signal), "{part:?}: {copied}");
+        }
     }
 
     #[test]
