@@ -1,5 +1,6 @@
 //! The form of the selection: geometry, fields, binding.
 
+use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 use eframe::egui::{self, DragValue};
@@ -237,15 +238,11 @@ fn geometry_edits(part: Part, old: &ItemShape, new: &ItemShape) -> Vec<Edit> {
 fn show_fields(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part]) {
     let first = parts[0];
     let has_shapes = !panel.selected.is_empty();
-    let mut fields = fields_of(first);
+    let mut fields = common_fields(parts);
     fields.retain(|field| {
         let is_shown_above = has_shapes && GEOMETRY_FIELDS.contains(&field.name);
         field.field_type != FieldType::Action && !is_shown_above
     });
-    for part in &parts[1..parts.len().min(50)] {
-        let own = fields_of(*part);
-        fields.retain(|field| own.contains(field) && field.name != "name");
-    }
     // A board that is flat has no radius.
     fields.retain(|field| {
         let group = field.name.rsplit_once('.').map(|(group, _)| group);
@@ -275,6 +272,24 @@ fn show_fields(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part]) {
     }
 }
 
+/// Returns the fields that all of several parts have; each has a name of its own. One part has all of its fields.
+fn common_fields(parts: &[Part]) -> Vec<FieldSpec> {
+    let Some((first, others)) = parts.split_first() else {
+        return Vec::new();
+    };
+    let mut fields = fields_of(*first);
+    fields.retain(|field| others.is_empty() || field.name != "name");
+    // Thousands of keys may be selected: the fields of a kind are looked up once.
+    let mut kinds = BTreeSet::from([first.kind_name()]);
+    for part in others {
+        if kinds.insert(part.kind_name()) {
+            let own = fields_of(*part);
+            fields.retain(|field| own.contains(field));
+        }
+    }
+    fields
+}
+
 fn field_rows(
     ui: &mut egui::Ui,
     panel: &mut EditorPanel,
@@ -293,6 +308,30 @@ fn field_rows(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_fields_that_all_selected_parts_have_are_shown() {
+        let key = |index| Part::Control {
+            board: 0,
+            kind: ControlKind::Key,
+            index,
+        };
+        let names = |parts: &[Part]| -> Vec<&'static str> {
+            let fields = common_fields(parts).into_iter();
+            fields.map(|field| field.name).collect()
+        };
+        let keys: Vec<Part> = (0..200).map(key).collect();
+        let of_keys = names(&keys);
+        assert!(of_keys.contains(&"lift_mm") && !of_keys.contains(&"name"));
+        assert!(names(&keys[..1]).contains(&"name"));
+        let knob = Part::Control {
+            board: 0,
+            kind: ControlKind::Knob,
+            index: 0,
+        };
+        let of_both = names(&[&keys[..], &[knob][..]].concat());
+        assert!(!of_both.contains(&"lift_mm"), "a knob has no such field");
+    }
 
     #[test]
     fn the_kind_of_a_part_is_not_written_twice() {
