@@ -262,6 +262,12 @@ impl LayoutEditor {
         Some(node.text(&self.text))
     }
 
+    /// Returns the number in a field; `None` if none is written.
+    pub fn number(&self, part: Part, field: &str) -> Option<f64> {
+        let node = self.node(part)?.at(&self.text, field.split('.'))?;
+        node.number(&self.text)
+    }
+
     /// Returns the value of a field that is not written: of the board for one that is as the board, else as its description gives it.
     pub fn default_of(&self, part: Part, field: &FieldSpec) -> String {
         let board = part.board().map(Part::Board);

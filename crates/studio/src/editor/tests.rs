@@ -360,3 +360,16 @@ fn a_field_of_a_form_exists_in_the_format() {
     }
     assert!(seen.len() > 100, "{}", seen.len());
 }
+
+#[test]
+fn a_number_is_read_however_it_is_written() {
+    let editor = editor(
+        "(pose: (anchor: elbow, forward_mm: Some(320), tilt_deg: -2.50), keys: [(code: \"A\", at_mm: (0, 0))])",
+    );
+    assert_eq!(editor.problems(), []);
+    let number = |field: &str| editor.number(Part::Board(0), field);
+    assert_eq!(number("pose.forward_mm"), Some(320.0));
+    assert_eq!(number("pose.tilt_deg"), Some(-2.5));
+    assert_eq!(number("pose.right_mm"), None);
+    assert_eq!(number("pose.anchor"), None);
+}

@@ -130,9 +130,11 @@ impl Plan {
                     part: Part::Board(index),
                     shape: PlanShape::Board(PlanBoard {
                         faulty_fronts: faulty_fronts(editor, surface, pose),
-                        radius_mm: number(editor, Part::Board(index), "shape.radius_mm"),
+                        radius_mm: editor.number(Part::Board(index), "shape.radius_mm"),
                         is_at_radius: matches!(board.shape, BoardShape::Arc(_))
-                            && number(editor, Part::Board(index), "pose.forward_mm").is_none(),
+                            && editor
+                                .number(Part::Board(index), "pose.forward_mm")
+                                .is_none(),
                         ..PlanBoard::new(layout, board, surface, (index, pose))
                     }),
                     written: WrittenPose::of_board(editor, index),
@@ -428,9 +430,9 @@ impl WrittenPose {
         let radius = || {
             let shape = editor.value(part, "shape")?;
             let is_arc = shape.starts_with("Arc");
-            number(editor, part, "shape.radius_mm").filter(|_| is_arc)
+            editor.number(part, "shape.radius_mm").filter(|_| is_arc)
         };
-        let field = |name: &str| number(editor, part, name);
+        let field = |name: &str| editor.number(part, name);
         let forward = field("pose.forward_mm").or_else(radius);
         Self {
             position_mm: [
@@ -456,17 +458,13 @@ impl WrittenPose {
     }
 
     fn of_frame(editor: &LayoutEditor, part: Part) -> Self {
-        let angle = |name: &str| number(editor, part, name).unwrap_or_default();
+        let angle = |name: &str| editor.number(part, name).unwrap_or_default();
         Self {
             position_mm: [0.0; 3],
             bearing_deg: angle("pose.bearing_deg"),
             tilt_deg: angle("pose.tilt_deg"),
         }
     }
-}
-
-fn number(editor: &LayoutEditor, part: Part, field: &str) -> Option<f64> {
-    editor.value(part, field)?.parse().ok()
 }
 
 #[cfg(test)]

@@ -8,8 +8,8 @@ use crate::editor::{LayoutEditor, Part, can_turn};
 /// Returns the items of a board that are in the layout of the present text.
 pub(super) fn placed(editor: &LayoutEditor, board: usize) -> Option<BoardItems> {
     let layout = editor.layout().filter(|_| editor.is_read())?;
-    let written = editor.value(Part::Board(board), "pose.scale");
-    let scale = written.and_then(|scale| scale.parse().ok()).unwrap_or(1.0);
+    let scale = editor.number(Part::Board(board), "pose.scale");
+    let scale = scale.unwrap_or(1.0) as f32;
     Some(BoardItems::new(layout, layout.boards.get(board)?, scale))
 }
 

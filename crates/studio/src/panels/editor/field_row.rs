@@ -10,6 +10,7 @@ use crate::canvas::plan::at_start;
 use crate::editor::{ANCHOR, Edit, FieldSpec, FieldType, Part, quoted};
 use crate::panels::{is_other_number, typed_number};
 use crate::texts::text;
+use ademan_core::document::read_tree;
 
 /// Decimals of a number that is shown.
 const DECIMALS: usize = 3;
@@ -71,7 +72,7 @@ fn show_value(
     let shown = written.unwrap_or(&default);
     match field.field_type {
         FieldType::Number { min, max } => {
-            let old = shown.parse().ok();
+            let old = number_in(shown);
             let hint = match old {
                 _ if is_mixed => Some(text("editor-mixed").to_owned()),
                 Some(_) => None,
@@ -122,6 +123,11 @@ fn show_value(
             show_text(ui, panel, parts, (field, &default), value, false);
         }
     }
+}
+
+/// Returns the number of a value as a file may have it, such as `4` or `Some(4)`.
+fn number_in(value: &str) -> Option<f64> {
+    read_tree(value)?.number(value)
 }
 
 /// Returns the number at the begin of a description such as `0.25 or 0.4`.
@@ -431,6 +437,20 @@ mod tests {
         let shapes = ["Flat", "Arc(radius_mm: 320)"];
         for default in ["Flat", "Arc", "required"] {
             assert_eq!(with_default(&shapes, default), shapes, "{default}");
+        }
+    }
+
+    #[test]
+    fn a_number_is_shown_however_it_is_written() {
+        for (value, expected) in [
+            ("4", Some(4.0)),
+            ("-2.50", Some(-2.5)),
+            ("Some(4)", Some(4.0)),
+            ("0.25 or 0.4", None),
+            ("as the board", None),
+            ("", None),
+        ] {
+            assert_eq!(number_in(value), expected, "{value}");
         }
     }
 

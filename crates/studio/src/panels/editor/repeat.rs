@@ -52,9 +52,8 @@ impl EditorPanel {
     /// Sets the distances and the angle of repetitions at which the copies of what is selected have the gaps of the keys of a row.
     fn propose_repeat(&mut self) {
         let number = |field: &str, default: f32| {
-            let written = self.editor.value(Part::Board(self.board), field);
-            let number = written.and_then(|number| number.parse().ok());
-            number.unwrap_or(default)
+            let written = self.editor.number(Part::Board(self.board), field);
+            written.map_or(default, |number| number as f32)
         };
         let pitch = number("pitch_mm", DEFAULT_PITCH_MM);
         let gap = pitch - number("size_mm.0", DEFAULT_WIDTH_MM);
