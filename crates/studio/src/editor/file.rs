@@ -238,6 +238,8 @@ impl LayoutEditor {
         if !self.is_modified() {
             self.replace_text(&theirs);
             self.file.saved = theirs;
+            // The edits of an earlier one were undone.
+            self.file.conflict = None;
             self.update_recovery();
             return Some(Change::Reloaded);
         }

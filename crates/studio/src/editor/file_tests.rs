@@ -176,6 +176,21 @@ fn a_conflict_ends_with_the_changes_of_the_other_program() {
 }
 
 #[test]
+fn a_conflict_ends_with_the_next_change_once_the_edits_are_undone() {
+    let (_folder, path) = file();
+    let mut editor = open(&path);
+    move_key(&mut editor, 0, 5.0);
+    fs::write(&path, TEXT.replace("(0, 0)", "(0, 19)")).unwrap();
+    assert_eq!(editor.poll(), Some(Change::Conflict));
+    assert!(editor.undo() && !editor.is_modified());
+    let theirs = TEXT.replace("(0, 0)", "(0, 119)");
+    fs::write(&path, &theirs).unwrap();
+    assert_eq!(editor.poll(), Some(Change::Reloaded));
+    assert_eq!(editor.conflict(), None, "the earlier text is out of date");
+    assert_eq!(editor.text(), theirs);
+}
+
+#[test]
 fn two_valid_changes_that_overlap_on_the_board_are_a_conflict() {
     let (_folder, path) = file();
     let mut editor = open(&path);
