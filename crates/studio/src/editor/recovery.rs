@@ -151,6 +151,11 @@ impl LayoutEditor {
         error.or_else(|| recovery.move_error.clone())
     }
 
+    /// Returns `true` if unsaved work is kept at present, and offered when the layout is opened again.
+    pub fn keeps_unsaved_work(&self) -> bool {
+        self.recovery.is_some() && self.recovery_error().is_none()
+    }
+
     /// Continues with the found work. Undo restores the text before.
     pub fn restore_found_work(&mut self) {
         if let Some(found) = self.pop_found_work() {

@@ -254,9 +254,16 @@ impl PanelState {
     }
 
     /// Returns the change of the setup that was chosen, if any. One that may bring another glove is refused while the session has
-    /// changes of the glove that are not saved: they would end with the session.
+    /// changes of the glove that are not saved, and any one while the editor has changes that are neither saved nor kept: they would end
+    /// with the session.
     pub fn take_setup(&mut self, sensors: &SensorControl) -> Option<SetupChange> {
         let change = self.next_setup.take()?;
+        if let Some(Ok(editor)) = &self.editor
+            && editor.would_lose_work()
+        {
+            self.refuse(text("editor-open-unkept").to_owned());
+            return None;
+        }
         if sensors.is_unsaved() && change.may_change_glove(sensors.setup()) {
             self.refuse(text("devices-unsaved").to_owned());
             return None;
@@ -369,6 +376,7 @@ fn open_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelCon
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::editor::{Edit, NewPart};
     use crate::sensor_control::tests::session;
 
     #[test]
@@ -384,6 +392,28 @@ mod tests {
         assert!(message.contains("not saved"), "{message}");
         assert_eq!(panels.next_setup, None, "it is chosen again");
         sensors.edit(|editor| editor.undo());
+        panels.next_setup = Some(change.clone());
+        assert_eq!(panels.take_setup(&sensors), Some(change));
+    }
+
+    #[test]
+    fn a_layout_whose_changes_are_not_kept_stays_with_its_session() {
+        let session = session();
+        let sensors = SensorControl::new(session.sensors());
+        let mut panels = PanelState::default();
+        panels.edit("numpad", Fit::default()).expect("a layout");
+        let Some(Ok(opened)) = &mut panels.editor else {
+            panic!("no editor");
+        };
+        let add = Edit::Add(NewPart::Layer);
+        opened.editor.apply(&add).expect("a layer");
+        let change = SetupChange::Output("none".to_owned());
+        panels.next_setup = Some(change.clone());
+        assert_eq!(panels.take_setup(&sensors), None);
+        assert!(panels.message.take().is_some(), "a reason");
+        if let Some(Ok(edited)) = &mut panels.editor {
+            assert!(edited.editor.undo());
+        }
         panels.next_setup = Some(change.clone());
         assert_eq!(panels.take_setup(&sensors), Some(change));
     }

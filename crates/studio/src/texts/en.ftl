@@ -536,6 +536,7 @@ editor-open-title = Open a layout
 editor-open-empty = Empty layout
 editor-open-name = File, or part of the name of a layout that comes with the program
 editor-open-unsaved = This layout has unsaved changes. They are kept, and offered when it is opened again.
+editor-open-unkept = The layout has unsaved changes, which cannot be kept and would be lost. Save or undo them in the tab “Layout”, then choose again.
 editor-export = Write a picture (SVG)
 editor-export-png = Write a picture of pixels (PNG)
 editor-export-pdf = Write a page to print (PDF)

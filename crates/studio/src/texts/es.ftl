@@ -536,6 +536,7 @@ editor-open-title = Abrir una distribución
 editor-open-empty = Distribución vacía
 editor-open-name = Archivo, o parte del nombre de una distribución que viene con el programa
 editor-open-unsaved = Esta distribución tiene cambios sin guardar. Se conservan y se ofrecen cuando se abra de nuevo.
+editor-open-unkept = La distribución tiene cambios sin guardar que no se pueden conservar y se perderían. Guárdelos o deshágalos en la pestaña «Distribución» y elija otra vez.
 editor-export = Escribir una imagen (SVG)
 editor-export-png = Escribir una imagen de píxeles (PNG)
 editor-export-pdf = Escribir una página para imprimir (PDF)

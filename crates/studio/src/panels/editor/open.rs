@@ -31,9 +31,21 @@ impl EditorPanel {
         self.open_question = Some(OpenQuestion::default());
     }
 
+    /// Returns `false` if another layout in place of this one would lose work; the reason is the message.
+    fn can_be_left(&mut self) -> bool {
+        if !self.commit_drafts() {
+            return false;
+        }
+        let would_lose = self.would_lose_work();
+        if would_lose {
+            self.message = Some(Err(text("editor-open-unkept").to_owned()));
+        }
+        !would_lose
+    }
+
     /// Opens a layout in place of this one, whose unsaved work is kept and offered when it is opened again.
     fn open_other(&mut self, name: &str) {
-        if !self.commit_drafts() {
+        if !self.can_be_left() {
             return;
         }
         match LayoutEditor::open(name, self.editor.fit()) {
@@ -44,7 +56,7 @@ impl EditorPanel {
 
     /// Opens a new layout without controls in the same way.
     fn open_empty(&mut self) {
-        if self.commit_drafts() {
+        if self.can_be_left() {
             self.replace_editor(LayoutEditor::empty(self.editor.fit()));
         }
     }
@@ -161,15 +173,19 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let Some(mut question) = panel.open_question.take() else {
         return;
     };
-    let is_unsaved = panel.is_unsaved();
+    let unsaved = match (panel.is_unsaved(), panel.would_lose_work()) {
+        (false, _) => None,
+        (true, false) => Some(text("editor-open-unsaved")),
+        (true, true) => Some(text("editor-open-unkept")),
+    };
     let (mut chosen, mut is_empty) = (None, false);
     let mut is_closed = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
     let modal = egui::Modal::new(egui::Id::unique("open-question"));
     modal.show(ui.ctx(), |ui| {
         ui.set_width(WIDTH);
         ui.strong(text("editor-open-title"));
-        if is_unsaved {
-            ui.colored_label(ui.visuals().warn_fg_color, text("editor-open-unsaved"));
+        if let Some(words) = unsaved {
+            ui.colored_label(ui.visuals().warn_fg_color, words);
         }
         let label = ui.label(text("editor-open-name"));
         let field = egui::TextEdit::singleline(&mut question.query).desired_width(f32::INFINITY);
@@ -236,6 +252,24 @@ mod tests {
         panel.export_svg();
         assert!(matches!(panel.message, Some(Err(_))));
         assert!(!path.with_extension("svg").exists());
+    }
+
+    #[test]
+    fn a_layout_whose_changes_are_not_kept_is_not_left() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("mine.ron");
+        fs::write(&path, TWO_KEYS).expect("a file");
+        let name = path.to_str().expect("a readable path");
+        let mut panel = EditorPanel::open(name, Fit::default(), None).expect("a layout");
+        panel.apply(&Edit::Add(NewPart::Layer));
+        let edited = panel.editor.text().to_owned();
+        panel.open_empty();
+        panel.open_other(name);
+        assert_eq!(panel.editor.text(), edited);
+        assert!(matches!(panel.message, Some(Err(_))));
+        panel.undo();
+        panel.open_empty();
+        assert_eq!(panel.editor.count("boards"), 0);
     }
 
     #[test]

@@ -350,6 +350,11 @@ impl EditorPanel {
         });
     }
 
+    /// Returns `true` if unsaved work would be lost with another layout in place of this one.
+    pub fn would_lose_work(&self) -> bool {
+        self.is_unsaved() && !self.editor.keeps_unsaved_work()
+    }
+
     /// Returns `true` while the question is shown whether unsaved work is saved before the window closes.
     pub fn asks_before_close(&self) -> bool {
         self.is_close_asked
