@@ -73,6 +73,17 @@ impl BoardItems {
         }
     }
 
+    /// Returns the items with the board on which fingertips are: as it is for another hand than the one for which its file is drawn.
+    #[must_use]
+    pub fn below_fingertips(mut self, layout: &Layout, board: &Board) -> Self {
+        let first = layout.faces(board).next();
+        let pair = first.zip(self.items.first());
+        let scale = pair.map(|(face, item)| item.shape.half.x / face.outline.half_extents().x);
+        self.mm_per_metre = scale.unwrap_or(self.mm_per_metre);
+        self.shape = Some(board.shape);
+        self
+    }
+
     /// Returns the items with the handles and numbers of values in a session of their layout, at a number of points per millimetre.
     pub fn with_values(
         &self,

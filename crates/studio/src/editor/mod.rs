@@ -168,6 +168,19 @@ impl LayoutEditor {
         self.layout.as_ref()
     }
 
+    /// Returns the layout of the present text for the design hand, which has the positions and sizes of the file, if
+    /// [`layout`](Self::layout) is for another hand. Its targets have the same ids.
+    pub fn design_layout(&self) -> Option<Layout> {
+        if !self.is_read || self.fit == Fit::default() {
+            return None;
+        }
+        let document = Document::new(self.file.name(), self.text.as_str());
+        let draft = LayoutDraft::read(&document, Fit::default()).ok()?;
+        let is_alike = draft.sources().len() == self.layout_targets.len();
+        let (layout, _) = draft.into_parts();
+        is_alike.then_some(layout)
+    }
+
     /// Returns `true` if [`layout`](Self::layout) was read from the present text.
     pub fn is_read(&self) -> bool {
         self.is_read

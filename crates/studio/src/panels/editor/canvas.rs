@@ -390,7 +390,8 @@ pub(super) fn paint(
     let live_controls = live_layout(panel, context.session).filter(|it| !it.controls.is_empty());
     let valued = live_controls.map(|layout| {
         let values = &context.session.values;
-        panel.items.with_values(layout, values, viewport.scale)
+        let drawn = panel.design.as_ref().unwrap_or(layout);
+        panel.items.with_values(drawn, values, viewport.scale)
     });
     let scene = CanvasScene {
         items: valued.as_ref().unwrap_or(&panel.items.items),

@@ -50,7 +50,7 @@ use crate::editor::{ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Par
 use crate::texts::text;
 use crate::typing::Typing;
 use ademan_core::document::DocumentError;
-use ademan_core::layout::Fit;
+use ademan_core::layout::{Fit, Layout};
 
 pub(super) use self::bar::{show_boards, show_message};
 use self::binding::BindingState;
@@ -79,6 +79,8 @@ pub struct EditorPanel {
     /// The part of the board that the lab shows; `None` until it was moved or zoomed there, which shows the whole board.
     lab_viewport: Option<Viewport>,
     items: BoardItems,
+    /// The layout for the design hand, where the items are, if the hands of the session are others.
+    design: Option<Layout>,
     /// The parts of the items; `None` while the brackets of the text are not balanced.
     parts: Vec<Option<Part>>,
     /// The items with an error.
@@ -175,6 +177,7 @@ impl EditorPanel {
             viewport: AreaViewport::default(),
             lab_viewport: None,
             items: BoardItems::default(),
+            design: None,
             parts: Vec::new(),
             faulty: Vec::new(),
             shown: None,
@@ -251,7 +254,8 @@ impl EditorPanel {
             self.faulty.clear();
             return;
         }
-        match board_items::placed(&self.editor, self.board) {
+        self.design = self.editor.design_layout();
+        match board_items::placed(&self.editor, self.design.as_ref(), self.board) {
             Some(items) => self.items = items,
             None => self.items.clear(),
         }
