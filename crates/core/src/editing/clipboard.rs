@@ -1,19 +1,23 @@
 //! Controls as text, for the clipboard.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::draft::{Draft, written};
 use super::duplicate::{Names, copy};
 use super::error::EditError;
 use super::fields::fields_of;
 use super::geometry::without_children;
+use super::names::{canonical, signal_names, targets_in};
 use super::part::{ControlKind, Part};
 use super::rows::SourceRow;
-use crate::document::quote;
+use crate::document::{Node, quote, quoted_content};
 use crate::layout::quantity::Size;
 
-/// Returns controls as the text of a board, `(keys: [..], sliders: [..])`, for `paste`. Each has the size that it has on its board.
-/// `None` without a control among the parts.
+/// The maps of a layout with entries about controls by their names.
+const MAPS: [&str; 2] = ["labels", "signals"];
+
+/// Returns controls as the text of a board, `(keys: [..], sliders: [..])`, for `paste`, with their labels and signals behind them. Each
+/// has the size that it has on its board. `None` without a control among the parts.
 pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
     let draft = &Draft::new(text).ok()?;
     let mut lists: BTreeMap<ControlKind, Vec<String>> = BTreeMap::new();
@@ -64,7 +68,28 @@ pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
             format!("    {}: [\n        {controls},\n    ],\n", kind.list())
         })
         .collect();
-    (!lists.is_empty()).then(|| format!("(\n{})", lists.concat()))
+    let names = signal_names(draft, &targets_in(draft, parts));
+    let maps = MAPS.map(|map| entries(draft, map, &names));
+    (!lists.is_empty()).then(|| format!("(\n{}{})", lists.concat(), maps.concat()))
+}
+
+/// Returns the entries of a map of the layout with these names, as a field in a line; empty without any.
+fn entries(draft: &Draft, map: &str, names: &BTreeSet<String>) -> String {
+    let text = draft.text();
+    let node = draft.field(Part::Layout, map);
+    let items = node.map_or(&[][..], Node::items).iter();
+    let own = items.filter_map(|item| {
+        let key = &text[item.key.clone()?];
+        let name = quoted_content(key)?;
+        let is_own = names.contains(name) || names.contains(&canonical(name));
+        is_own.then(|| format!("{key}: {}", item.value.text(text)))
+    });
+    let own: Vec<String> = own.collect();
+    if own.is_empty() {
+        String::new()
+    } else {
+        format!("    {map}: {{{}}},\n", own.join(", "))
+    }
 }
 
 /// Returns the text of a control of a board with its size, which it may have from the board.
@@ -162,10 +187,46 @@ pub(super) fn paste(
         draft.push(Part::Board(board), kind.list(), &texts)?;
     }
     if new_parts.is_empty() {
-        Err(nothing())
-    } else {
-        draft.commit().map(|()| new_parts)
+        return Err(nothing());
     }
+    for map in MAPS {
+        paste_entries(draft, &source, &names, map)?;
+    }
+    draft.commit().map(|()| new_parts)
+}
+
+/// Adds the entries of a map behind controls that are pasted, under the names of these, unless the layout has such entries.
+fn paste_entries(
+    draft: &mut Draft,
+    source: &Draft,
+    names: &Names,
+    map: &str,
+) -> Result<(), EditError> {
+    let from = source.field(Part::Board(0), map);
+    let present = draft.field(Part::Layout, map).cloned();
+    let mut added = Vec::new();
+    for item in from.map_or(&[][..], Node::items) {
+        let key = item.key.clone();
+        let name = key.and_then(|range| quoted_content(&source.text()[range]));
+        let Some(new) = name.and_then(|own| names.new_name(own)) else {
+            continue;
+        };
+        let is_taken = |node: &Node| node.item(draft.text(), new).is_some();
+        if !present.as_ref().is_some_and(is_taken) {
+            let value = item.value.text(source.text());
+            added.push(format!("{}: {value}", quote(new)));
+        }
+    }
+    if added.is_empty() {
+        return Ok(());
+    }
+    let Some(present) = present else {
+        return draft.set(Part::Layout, map, &format!("{{{}}}", added.join(", ")));
+    };
+    for entry in &added {
+        draft.push_entry(&present, entry);
+    }
+    Ok(())
 }
 
 /// Returns `true` if two values differ in their spaces at most.
@@ -246,6 +307,39 @@ mod tests {
             "(code: \"B\", at_mm: (19, 0))",
         ] {
             assert!(pasted.contains(key), "{pasted}");
+        }
+    }
+
+    #[test]
+    fn a_pasted_control_has_the_label_and_the_signals_that_it_had() {
+        let from = "(boards: [(
+            keys: [(code: \"A\", at_mm: (0, 0))],
+            sliders: [(name: \"S\", at_mm: (40, 0), length_mm: 40)],
+            xy_pads: [(name: \"P\", at_mm: (90, 0), size_mm: Box(40, 40))],
+        )],
+        labels: {\"A\": \"x\", \"B\": \"y\"},
+        signals: {\"S\": (control: 7), \"P y\": (control: 9), \"B\": (note: 60)})";
+        let kinds = [ControlKind::Key, ControlKind::Slider, ControlKind::XyPad];
+        let clipboard = copied(from, &kinds.map(control)).unwrap();
+        let present = "(boards: [(sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 40)])], \
+                       labels: {\"C\": \"z\"}, signals: {\"S\": (control: 1)})";
+        for (to, labels, signals) in [
+            (
+                "(boards: [(travel_mm: 3)])",
+                "labels: {\"A\": \"x\"}",
+                "signals: {\"S\": (control: 7), \"P y\": (control: 9)}",
+            ),
+            (
+                present,
+                "labels: {\"C\": \"z\", \"A\": \"x\"}",
+                "signals: {\"S\": (control: 1), \"S 2\": (control: 7), \"P y\": (control: 9)}",
+            ),
+        ] {
+            let mut draft = Draft::new(to).unwrap();
+            paste(&mut draft, 0, &clipboard, [0.0, 0.0]).unwrap();
+            let pasted = draft.text();
+            assert!(pasted.contains(labels), "{labels}: {pasted}");
+            assert!(pasted.contains(signals), "{signals}: {pasted}");
         }
     }
 

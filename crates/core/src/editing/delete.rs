@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::draft::Draft;
 use super::error::EditError;
 use super::geometry::{unsupported, without_children};
-use super::names::{Mention, chord_lists, mentions, name_of, value_names};
-use super::part::{ControlKind, Part, targets};
+use super::names::{Mention, chord_lists, mentions, name_of, signal_names, targets_in};
+use super::part::{ControlKind, Part};
 use super::rows::SourceRow;
 use crate::document::{Node, quoted_content};
 
@@ -14,7 +14,7 @@ use crate::document::{Node, quoted_content};
 pub(super) fn delete(draft: &mut Draft, parts: &[Part]) -> Result<Vec<Part>, EditError> {
     let groups = whole_groups(draft, &without_children(parts));
     let parts = without_children(&[parts, &groups[..]].concat());
-    let deleted = deleted_targets(draft, &parts);
+    let deleted = targets_in(draft, &parts);
     delete_mentions(draft, &key_names(draft, &deleted))?;
     delete_signals(draft, &signal_names(draft, &deleted));
     let mut rows: BTreeMap<(usize, usize), BTreeSet<usize>> = BTreeMap::new();
@@ -55,16 +55,6 @@ fn whole_groups(draft: &Draft, parts: &[Part]) -> Vec<Part> {
     groups.into_iter().filter(is_whole).collect()
 }
 
-/// Returns the targets in parts.
-fn deleted_targets(draft: &Draft, parts: &[Part]) -> Vec<Part> {
-    let parts: BTreeSet<Part> = parts.iter().copied().collect();
-    let is_deleted = |part: &Part| {
-        std::iter::successors(Some(*part), |part| part.parent()).any(|part| parts.contains(&part))
-    };
-    let all = targets(draft.text(), draft.tree()).into_iter();
-    all.filter(is_deleted).collect()
-}
-
 /// Returns the names of the keys among targets.
 fn key_names(draft: &Draft, deleted: &[Part]) -> BTreeSet<String> {
     let is_key = |part: &&Part| {
@@ -80,18 +70,6 @@ fn key_names(draft: &Draft, deleted: &[Part]) -> BTreeSet<String> {
     let keys = deleted.iter().filter(is_key);
     keys.filter_map(|part| name_of(draft.text(), draft.tree(), *part))
         .collect()
-}
-
-/// Returns the names that signals have for targets.
-fn signal_names(draft: &Draft, deleted: &[Part]) -> BTreeSet<String> {
-    let mut names = BTreeSet::new();
-    for part in deleted {
-        if let Some(name) = name_of(draft.text(), draft.tree(), *part) {
-            names.extend(value_names(*part, &name));
-            names.insert(name);
-        }
-    }
-    names
 }
 
 /// Deletes the signals with these names. A signal without its control would be an error.

@@ -40,6 +40,14 @@ impl Names {
         new
     }
 
+    /// Returns the name of the copy of a part with a name, however it is spelled; `None` if none was copied.
+    pub fn new_name(&self, name: &str) -> Option<&str> {
+        let code = canonical(name);
+        let mut copies = self.copies.iter();
+        let found = copies.find(|[from, _]| from == name || *from == code);
+        found.map(|[_, copy]| copy.as_str())
+    }
+
     /// Adds the values of the part that was copied last, if it has several.
     fn add_values(&mut self, part: Part) {
         if let Some([name, new]) = self.copies.last() {

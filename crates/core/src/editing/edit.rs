@@ -131,7 +131,7 @@ pub enum Edit {
         /// Radius; a negative one has its center on the far side.
         radius_mm: f64,
     },
-    /// Adds copies of controls from a text that [`copied`](super::copied) has made.
+    /// Adds copies of controls from a text that [`copied`](super::copied) has made, with their labels and signals.
     Paste {
         /// The board that gets them.
         board: usize,

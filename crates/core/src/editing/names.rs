@@ -52,6 +52,28 @@ pub(super) fn value_names(part: Part, name: &str) -> Vec<String> {
         .collect()
 }
 
+/// Returns the targets in parts.
+pub(super) fn targets_in(draft: &Draft, parts: &[Part]) -> Vec<Part> {
+    let parts: BTreeSet<Part> = parts.iter().copied().collect();
+    let is_within = |part: &Part| {
+        std::iter::successors(Some(*part), |part| part.parent()).any(|part| parts.contains(&part))
+    };
+    let all = targets(draft.text(), draft.tree()).into_iter();
+    all.filter(is_within).collect()
+}
+
+/// Returns the names of targets, with the names that signals have for their values.
+pub(super) fn signal_names(draft: &Draft, targets: &[Part]) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for target in targets {
+        if let Some(name) = name_of(draft.text(), draft.tree(), *target) {
+            names.extend(value_names(*target, &name));
+            names.insert(name);
+        }
+    }
+    names
+}
+
 /// Returns the name that a key has without one of its own: that in its action.
 pub(super) fn implied_name(text: &str, key: &Node) -> Option<String> {
     let string = |field: &str| key.field(text, field)?.string(text);
