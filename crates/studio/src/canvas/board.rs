@@ -93,7 +93,7 @@ impl BoardItems {
     ) -> Vec<Item> {
         let mut items = self.items.clone();
         for (item, target) in items.iter_mut().zip(&self.targets) {
-            let marks = valued_marks(layout, *target, values, scale);
+            let marks = valued_marks(layout, *target, values, scale * item.mark_scale);
             item.marks = marks.unwrap_or_default();
         }
         items
@@ -123,6 +123,7 @@ fn item(face: &Face, board: &Board, mm_per_metre: f32, can_turn: bool) -> Item {
         shape: shape(face, board, mm_per_metre),
         label: face.label.clone(),
         marks: Vec::new(),
+        mark_scale: mm_per_metre / 1000.0,
         can_turn,
     }
 }
@@ -146,6 +147,7 @@ mod tests {
     use super::super::selection::Selection;
     use super::super::viewport::Viewport;
     use super::*;
+    use crate::marks::half_width;
     use crate::scene::SceneColors;
     use ademan_core::layout::MarkShape;
     use ademan_runtime::files::Load;
@@ -178,6 +180,28 @@ mod tests {
         };
         let (a, b) = (positions(&unscaled, 1.0), positions(&scaled, 1.5));
         assert!((a.center - b.center).length() < 1e-3 && (a.half - b.half).length() < 1e-3);
+    }
+
+    #[test]
+    fn the_marks_of_a_control_fit_into_it_on_a_scaled_board() {
+        let text = ademan_core::document::Document::shipped("mixer")
+            .unwrap()
+            .text;
+        let halves = |content: &str, scale: f32| -> Vec<f32> {
+            let layout = Layout::parse(content, "mixer").unwrap();
+            let board = BoardItems::new(&layout, &layout.boards[0], scale);
+            let half = |item: &Item| {
+                let marks = item.marks.iter().map(|mark| half_width(&mark.shape));
+                marks.fold(0.0, f32::max) * item.mark_scale
+            };
+            board.items.iter().map(half).collect()
+        };
+        let larger = text.replacen("anchor: elbow", "anchor: elbow, scale: 1.5", 1);
+        let (plain, scaled) = (halves(&text, 1.0), halves(&larger, 1.5));
+        assert_eq!(plain.len(), scaled.len());
+        for (a, b) in plain.iter().zip(&scaled) {
+            assert!(*a > 5.0 && (a - b).abs() < 0.2 * a, "{a} {b}");
+        }
     }
 
     #[test]

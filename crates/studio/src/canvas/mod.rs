@@ -42,8 +42,10 @@ pub struct Item {
     pub shape: ItemShape,
     /// The text on it.
     pub label: String,
-    /// Handle, scale and label of a control that is not a key, for its size in the file; empty for a key.
+    /// Handle, scale and label of a control that is not a key; empty for a key.
     pub marks: Vec<FrontMark>,
+    /// Millimetres of the outline per millimetre of the marks, which have the size of a board with a scale.
+    pub mark_scale: f32,
     /// The file gives it a rotation.
     pub can_turn: bool,
 }
@@ -61,6 +63,7 @@ impl Item {
             },
             label,
             marks: Vec::new(),
+            mark_scale: 1.0,
             can_turn,
         }
     }
@@ -185,6 +188,7 @@ pub(crate) mod tests {
             },
             label: "A".to_owned(),
             marks: Vec::new(),
+            mark_scale: 1.0,
             can_turn: true,
         }
     }

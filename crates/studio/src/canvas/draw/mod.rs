@@ -239,7 +239,7 @@ impl Pen<'_> {
     fn add_marks(&mut self, item: &Item, shape: &ItemShape, (look, heat): (Look, f32)) {
         let viewport = *self.viewport;
         let size = self.size;
-        let stretch = shape.half / item.shape.half;
+        let stretch = shape.half / item.shape.half * item.mark_scale;
         let to_screen = |point: Vec2| {
             let on_board = shape.center + shape.rotated(point * stretch);
             Some(viewport.to_screen(on_board, size))
@@ -345,14 +345,15 @@ impl Pen<'_> {
 
 /// Returns `true` if a mark is a well that hides the front of its item.
 fn hides_front(item: &Item, mark: &FrontMark) -> bool {
-    mark.role == MarkRole::Well && half_width(&mark.shape) > HIDING * item.shape.half.x
+    let half = half_width(&mark.shape) * item.mark_scale;
+    mark.role == MarkRole::Well && half > HIDING * item.shape.half.x
 }
 
 /// Returns the radius of the corners of the well that hides the front of an item, in millimetres; 0 without one.
 fn corner_radius(item: &Item) -> f32 {
     let mut wells = item.marks.iter().filter(|mark| hides_front(item, mark));
     match wells.next().map(|well| &well.shape) {
-        Some(MarkShape::Box { radius, .. }) => *radius,
+        Some(MarkShape::Box { radius, .. }) => radius * item.mark_scale,
         _ => 0.0,
     }
 }
