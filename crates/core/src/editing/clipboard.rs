@@ -68,7 +68,13 @@ pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
             format!("    {}: [\n        {controls},\n    ],\n", kind.list())
         })
         .collect();
-    let names = signal_names(draft, &targets_in(draft, parts));
+    // The names of 10 000 keys take long.
+    let is_mentioned = MAPS.map(|map| draft.field(Part::Layout, map).is_some());
+    let names = if is_mentioned.contains(&true) {
+        signal_names(draft, &targets_in(draft, parts))
+    } else {
+        BTreeSet::new()
+    };
     let maps = MAPS.map(|map| entries(draft, map, &names));
     (!lists.is_empty()).then(|| format!("(\n{}{})", lists.concat(), maps.concat()))
 }

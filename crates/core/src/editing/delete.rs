@@ -16,7 +16,9 @@ pub(super) fn delete(draft: &mut Draft, parts: &[Part]) -> Result<Vec<Part>, Edi
     let parts = without_children(&[parts, &groups[..]].concat());
     let deleted = targets_in(draft, &parts);
     delete_mentions(draft, &key_names(draft, &deleted))?;
-    delete_signals(draft, &signal_names(draft, &deleted));
+    if draft.field(Part::Layout, "signals").is_some() {
+        delete_signals(draft, &signal_names(draft, &deleted));
+    }
     let mut rows: BTreeMap<(usize, usize), BTreeSet<usize>> = BTreeMap::new();
     for &part in &parts {
         match part {
