@@ -15,6 +15,9 @@ use ademan_core::document::read_tree;
 /// Decimals of a number that is shown.
 const DECIMALS: usize = 3;
 
+/// The default of a field that a part must have.
+const REQUIRED: &str = "required";
+
 /// The largest number of parts whose values are compared for each frame.
 const MAX_COMPARED: usize = 200;
 
@@ -139,7 +142,7 @@ fn first_number(description: &str) -> Option<f64> {
 /// Returns the choices of a field, after the words for its default if that is none of them: it is chosen by removing the field.
 fn with_default<'a>(choices: &[&'a str], default: &'a str) -> Vec<&'a str> {
     let is_default = |choice: &&str| word(choice) == word(default);
-    let has_words = !["", "required"].contains(&default);
+    let has_words = !["", REQUIRED].contains(&default);
     let is_extra = has_words && !choices.iter().any(is_default);
     let extra = is_extra.then_some(default);
     extra.into_iter().chain(choices.iter().copied()).collect()
@@ -182,7 +185,7 @@ fn show_text(
     is_quoted: bool,
 ) {
     let name = field.name;
-    let hint = Some(default).filter(|words| *words != "required");
+    let hint = Some(default).filter(|words| *words != REQUIRED);
     text_cell(
         ui,
         panel,
@@ -199,7 +202,7 @@ fn show_text(
                         name: content,
                     };
                 }
-                _ if content.is_empty() => None,
+                _ if content.is_empty() && default != REQUIRED => None,
                 _ if is_quoted => Some(quoted(&content)),
                 _ => Some(content),
             };

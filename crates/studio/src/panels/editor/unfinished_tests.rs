@@ -133,6 +133,21 @@ fn a_drag_of_a_number_that_is_not_written_changes_one_field_in_one_step() {
 }
 
 #[test]
+fn a_field_that_a_part_must_have_is_not_emptied() {
+    let triggers = "    ],\n    triggers: [(name: \"T\", when: Shake())],\n)\n";
+    let before = TWO_KEYS.replace("    ],\n)\n", triggers);
+    let mut window = Window::on_text(&before, TALL);
+    window.panel().show_part(Part::Trigger(0));
+    window.harness.run_steps(3);
+    window.click_field(Role::TextInput, "when");
+    window.press(Modifiers::COMMAND, Key::A);
+    window.press(Modifiers::NONE, Key::Backspace);
+    window.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(window.text(), before);
+    assert!(matches!(window.panel().message, Some(Err(_))));
+}
+
+#[test]
 fn a_number_that_is_not_written_is_shown_as_the_board_has_it() {
     let mut window = Window::on_text(TWO_KEYS, TALL);
     window.click_board(0.0, 0.0);
