@@ -8,14 +8,14 @@ use std::time::Duration;
 
 use ademan::capture::recording::{RecordedSetup, Replay};
 use ademan::capture::{CaptureError, Channels, Reading, Sample, SampleKind, Source, SourceEvent};
-use ademan::contact::{Phase, TargetId, TargetNames, Touch, Touches};
+use ademan::contact::{Phase, TargetId, Touch, Touches};
 use ademan::device::{EventKind, Events, OutputEvent};
 use ademan::estimate::JointAngles;
 use ademan::hand::{Dof, Finger, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::pipeline::PipelineState;
 use ademan::recorder::Recorder;
-use ademan::snapshot::{Snapshot, Stats};
+use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec2, Vec3};
 
@@ -57,23 +57,13 @@ fn snapshot(number: u64) -> Snapshot {
         kind: EventKind::KeyDown("Q".parse().unwrap()),
     };
     Snapshot {
-        profile: 0,
-        target_names: TargetNames::default(),
         state: PipelineState::Running,
-        paused_by: None,
         reading: Some(reading),
-        source_error: None,
         angles: Some(angles),
         pose: Some(pose),
         touches: Touches::from_iter([touch]),
-        presses: Default::default(),
         events: Events::from_iter([event]),
-        commands: Default::default(),
-        executed: None,
-        lost_hands: Default::default(),
-        text: None,
-        stats: Stats::default(),
-        latency: None,
+        ..Snapshot::default()
     }
 }
 

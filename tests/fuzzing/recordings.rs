@@ -12,15 +12,13 @@ use ademan::capture::recording::{
     JSON_ENCODING, MESSAGE_ENCODING, READINGS_TOPIC, RecordedSetup, Replay,
 };
 use ademan::capture::{Channels, Hc11Format, Reading, Sample, Source, SourceEvent};
-use ademan::contact::Touches;
-use ademan::device::Events;
 use ademan::hand::{
     ArmBone, BoneRotations, Displacement, Dof, HandPart, Joint, JointAngles, JointPositions, Side,
 };
 use ademan::pipeline::PipelineState;
 use ademan::recorder::Recorder;
 use ademan::setup::{LoadedSetup, Setup};
-use ademan::snapshot::{Snapshot, Stats};
+use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
 use ademan::trace::reading_json;
 use glam::{DVec3, Quat, Vec3};
@@ -183,23 +181,10 @@ fn record(setup: &RecordedSetup, readings: &[Reading]) -> Option<Vec<u8>> {
 
 fn snapshot(reading: &Reading) -> Snapshot {
     Snapshot {
-        source_error: None,
         state: PipelineState::Paused,
-        profile: 0,
         target_names: ASSEMBLY.layout.target_names(),
-        paused_by: None,
         reading: Some(reading.clone()),
-        angles: None,
-        pose: None,
-        touches: Touches::new(),
-        presses: Default::default(),
-        events: Events::new(),
-        commands: Default::default(),
-        executed: None,
-        lost_hands: Default::default(),
-        text: None,
-        stats: Stats::default(),
-        latency: None,
+        ..Snapshot::default()
     }
 }
 

@@ -78,7 +78,7 @@ impl StepView<'_> {
 }
 
 /// A copy of a [`StepView`], for another thread.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     /// State of the pipeline after the step.
     pub state: PipelineState,

@@ -352,7 +352,7 @@ fn stats_of(counts: &ViewCounts) -> Stats {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use ademan_core::contact::{TargetNames, Touch};
+    use ademan_core::contact::Touch;
     use ademan_core::device::{EventKind, OutputEvent};
     use ademan_core::hand::Joint;
     use ademan_core::time::Timestamp;
@@ -440,22 +440,7 @@ pub(crate) mod tests {
     pub(crate) fn snapshot(state: PipelineState) -> Snapshot {
         Snapshot {
             state,
-            paused_by: None,
-            profile: 0,
-            target_names: TargetNames::new([]),
-            reading: None,
-            source_error: None,
-            angles: None,
-            pose: None,
-            touches: Default::default(),
-            presses: Default::default(),
-            events: Default::default(),
-            commands: Default::default(),
-            executed: None,
-            lost_hands: [false; Side::COUNT],
-            text: None,
-            stats: Stats::default(),
-            latency: None,
+            ..Snapshot::default()
         }
     }
 

@@ -17,7 +17,7 @@ use crate::time::Timestamp;
 const MAX_BOARDS: usize = 16;
 
 /// The state of a session after a step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SceneState {
     time: Timestamp,
     state: PipelineState,
@@ -28,19 +28,6 @@ pub struct SceneState {
     /// The targets that fingertips press.
     pressed: ArrayVec<TargetId, FINGERS_OF_BOTH_HANDS>,
     keys: PressedKeys,
-}
-
-impl Default for SceneState {
-    fn default() -> Self {
-        Self {
-            time: Timestamp::default(),
-            state: PipelineState::Starting,
-            profile: 0,
-            boards: ArrayVec::new(),
-            pressed: ArrayVec::new(),
-            keys: PressedKeys::default(),
-        }
-    }
 }
 
 impl SceneState {
@@ -120,14 +107,13 @@ struct SceneObject<'a> {
 mod tests {
     use super::*;
     use crate::command::ProfileName;
-    use crate::contact::TargetNames;
     use crate::device::Events;
     use crate::estimate::{Estimator, EstimatorSettings};
     use crate::hand::{Joint, Side};
     use crate::kinematics::{ArmModel, BoneLengths, HandPose};
     use crate::layout::Layout;
     use crate::pipeline::{LayoutInstance, PipelineSettings};
-    use crate::snapshot::Stats;
+    use crate::snapshot::Snapshot;
 
     /// Returns a layout with one board, for this hand.
     fn board_of(side: Side) -> LayoutInstance {
@@ -150,30 +136,16 @@ mod tests {
         pipeline = pipeline.with_profiles([(name, board_of(Side::Left))]);
         let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
         pose.set(Joint::Elbow, Pose::IDENTITY);
-        let step = StepView {
+        let step = Snapshot {
             state: PipelineState::Running,
-            paused_by: None,
-            profile: 0,
-            target_names: &TargetNames::default(),
-            reading: None,
-            source_error: None,
-            angles: None,
-            pose: Some(&pose),
-            touches: &[],
-            presses: &[],
-            events: &[],
-            commands: &[],
-            executed: None,
-            lost_hands: [false; Side::COUNT],
-            text: None,
-            stats: &Stats::default(),
-            latency: None,
+            pose: Some(pose),
+            ..Snapshot::default()
         };
         let mut scene = SceneState::default();
-        scene.update(&step, &pipeline);
+        scene.update(&step.view(), &pipeline);
         assert!(scene.boards[0].is_some());
         pipeline.switch_profile(1, &mut Events::new());
-        scene.update(&step, &pipeline);
+        scene.update(&step.view(), &pipeline);
         assert_eq!(scene.boards[..], [None]);
     }
 }

@@ -6,8 +6,10 @@ use crate::names::named_enum;
 
 named_enum! {
     /// The state of a pipeline.
+    #[derive(Default)]
     pub enum PipelineState ("state") {
         /// No reading has been received.
+        #[default]
         Starting = "starting",
         /// No events are emitted: until the hand is clear of every control, or until a requested pause ends.
         Paused = "paused",

@@ -142,9 +142,7 @@ mod tests {
     use super::*;
     use crate::capture::recording::Replay;
     use crate::capture::{Channels, Reading, Sample, Source, SourceEvent};
-    use ademan_core::contact::TargetNames;
     use ademan_core::pipeline::PipelineState;
-    use ademan_core::snapshot::Stats;
     use ademan_core::time::Timestamp;
 
     #[test]
@@ -160,25 +158,12 @@ mod tests {
             unsent: Default::default(),
         };
         let reading = Reading::new(Timestamp(7), None, Sample::Channels(channels));
-        recordings.push(&StepView {
+        let step = Snapshot {
             state: PipelineState::Running,
-            paused_by: None,
-            profile: 0,
-            target_names: &TargetNames::default(),
-            reading: Some(&reading),
-            source_error: None,
-            angles: None,
-            pose: None,
-            touches: &[],
-            presses: &[],
-            events: &[],
-            commands: &[],
-            executed: None,
-            lost_hands: Default::default(),
-            text: None,
-            stats: &Stats::default(),
-            latency: None,
-        });
+            reading: Some(reading.clone()),
+            ..Snapshot::default()
+        };
+        recordings.push(&step.view());
         let start = Instant::now();
         // The recording is not complete, as after a crash.
         while Replay::open(&path).unwrap().next().unwrap() == SourceEvent::End {

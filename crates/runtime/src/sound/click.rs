@@ -105,7 +105,6 @@ pub(super) mod tests {
 
     use super::*;
     use crate::files::Load;
-    use ademan_core::contact::TargetNames;
     use ademan_core::time::Timestamp;
 
     const TIME: Timestamp = Timestamp(0);
@@ -114,22 +113,7 @@ pub(super) mod tests {
     pub(in crate::sound) fn step() -> Snapshot {
         Snapshot {
             state: PipelineState::Running,
-            paused_by: None,
-            profile: 0,
-            target_names: TargetNames::default(),
-            reading: None,
-            source_error: None,
-            angles: None,
-            pose: None,
-            touches: Default::default(),
-            presses: Default::default(),
-            events: Default::default(),
-            commands: Default::default(),
-            executed: None,
-            lost_hands: [false; Side::COUNT],
-            text: None,
-            stats: Stats::default(),
-            latency: None,
+            ..Snapshot::default()
         }
     }
 

@@ -233,8 +233,6 @@ mod tests {
     use ademan_core::contact::{Phase, Presses, TargetId, Touch, Touches};
     use ademan_core::device::{Axis, EventKind, Events, TimedCommands};
     use ademan_core::hand::{Dof, Joint};
-    use ademan_core::pipeline::PipelineState;
-    use ademan_core::snapshot::Stats;
     use parry3d::math::{Pose, Vec2, Vec3};
     use serde_json::Value;
     use std::convert::Infallible;
@@ -282,12 +280,8 @@ mod tests {
         };
         let q = "Q".parse().unwrap();
         Snapshot {
-            state: PipelineState::Running,
-            profile: 0,
             target_names: names(),
-            paused_by: None,
             reading: Some(Reading::new(time, None, Sample::Channels(channels))),
-            source_error: None,
             angles: Some(angles),
             pose: Some(pose),
             touches: Touches::from_iter([touch]),
@@ -312,11 +306,7 @@ mod tests {
                     z_mm: 2.0,
                 },
             }]),
-            executed: None,
-            lost_hands: Default::default(),
-            text: None,
-            stats: Stats::default(),
-            latency: None,
+            ..Snapshot::default()
         }
     }
 
@@ -374,19 +364,8 @@ mod tests {
 
     #[test]
     fn a_stage_without_results_gives_no_json() {
-        let empty = Snapshot {
-            reading: None,
-            angles: None,
-            pose: None,
-            touches: Touches::new(),
-            presses: Default::default(),
-            events: Events::new(),
-            commands: TimedCommands::new(),
-            executed: None,
-            ..snapshot()
-        };
         for stage in Stage::ALL {
-            assert_eq!(lines(*stage, &empty), [""; 0], "{stage}");
+            assert_eq!(lines(*stage, &Snapshot::default()), [""; 0], "{stage}");
         }
     }
 

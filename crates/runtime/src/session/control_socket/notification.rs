@@ -280,7 +280,7 @@ mod tests {
     use ademan_core::contact::{Neighbor, Press, TargetId};
     use ademan_core::device::{EventKind, OutputEvent, TimedCommand};
     use ademan_core::hand::{Finger, Side};
-    use ademan_core::snapshot::Stats;
+    use ademan_core::snapshot::Snapshot;
     use ademan_core::time::Timestamp;
     use parry3d::math::Vec3;
 
@@ -308,31 +308,20 @@ mod tests {
             .into_iter()
             .collect(),
         };
-        let step = StepView {
+        let step = Snapshot {
             state: PipelineState::Paused,
             paused_by: Some(CommandOrigin::Client),
-            profile: 0,
-            target_names: &TargetNames::default(),
-            reading: None,
-            source_error: None,
-            angles: None,
-            pose: None,
-            touches: &[],
-            presses: &[press],
-            events: &Events::from_iter([OutputEvent {
+            presses: Presses::from_iter([press]),
+            events: Events::from_iter([OutputEvent {
                 time,
                 kind: EventKind::KeyUp("Q".parse().unwrap()),
             }]),
-            commands: &TimedCommands::from_iter([issued(nudge), issued(Command::TogglePause)]),
-            executed: None,
-            lost_hands: Default::default(),
-            text: None,
-            stats: &Stats::default(),
-            latency: None,
+            commands: TimedCommands::from_iter([issued(nudge), issued(Command::TogglePause)]),
+            ..Snapshot::default()
         };
         let (mut notifier, queue) = Notifier::new();
         let subscription = queue.subscribers.add();
-        notifier.notify_step(&step);
+        notifier.notify_step(&step.view());
         drop(notifier);
         broadcast(&queue);
         let lines: Vec<_> = subscription.lines.try_iter().collect();

@@ -5,12 +5,10 @@ use std::time::{Duration, Instant};
 use super::*;
 use crate::files::Load;
 use crate::output::tests::wait_until;
-use ademan_core::contact::{TargetNames, Touches};
-use ademan_core::device::{Events, TimedCommands};
 use ademan_core::estimate::JointAngles;
 use ademan_core::kinematics::HandPose;
 use ademan_core::pipeline::PipelineState;
-use ademan_core::snapshot::{Snapshot, Stats};
+use ademan_core::snapshot::Snapshot;
 
 const TIMEOUT: Duration = Duration::from_secs(60);
 
@@ -26,22 +24,9 @@ fn layout() -> Arc<Layout> {
 fn step(time: u64) -> SharedStep {
     let snapshot = Snapshot {
         state: PipelineState::Running,
-        paused_by: None,
-        profile: 0,
-        target_names: TargetNames::new([]),
-        reading: None,
-        source_error: None,
         angles: Some(JointAngles::default()),
         pose: Some(HandPose::new(Timestamp(time), Side::Right, 0.008)),
-        touches: Touches::new(),
-        presses: Default::default(),
-        events: Events::new(),
-        commands: TimedCommands::new(),
-        executed: None,
-        lost_hands: [false; Side::COUNT],
-        text: None,
-        stats: Stats::default(),
-        latency: None,
+        ..Snapshot::default()
     };
     SharedStep {
         snapshot,
