@@ -14,7 +14,7 @@ use ademan_core::snapshot::Stats;
 use ademan_core::time::Timestamp;
 
 /// The state of a session. Targets have the index that they have in the layout.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ViewState {
     /// Name of the session; empty in a view of a program that names none.
     #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -138,32 +138,10 @@ impl ViewState {
     /// Returns the state before the first reading.
     pub fn starting(profile: &str, source: &str, output: &str) -> Self {
         Self {
-            name: String::new(),
-            process: None,
-            time_us: Timestamp::default(),
-            state: PipelineState::Starting,
-            paused_by: None,
             profile: profile.to_owned(),
             source: source.to_owned(),
-            headset: None,
             output: output.to_owned(),
-            readings_per_second: 0.0,
-            counts: ViewCounts::default(),
-            awaits_hand: false,
-            hands: Vec::new(),
-            fingertips: Vec::new(),
-            bends: Vec::new(),
-            pressed: Vec::new(),
-            keys: Vec::new(),
-            recent: Vec::new(),
-            typed: String::new(),
-            text_mode: None,
-            candidates: Vec::new(),
-            values: Vec::new(),
-            axes: Vec::new(),
-            pointer: None,
-            in_spaces_mm: Vec::new(),
-            selected: Vec::new(),
+            ..Self::default()
         }
     }
 }
