@@ -9,7 +9,7 @@ use ademan::capture::{CaptureEvent, Reading, Sample, Source, SourceEvent, open, 
 use ademan::hand::{ArmBone, BoneRotations, Displacement, Joint};
 use glam::{Quat, Vec3};
 
-use crate::serial::log;
+use crate::serial::wait_for_warning;
 use crate::support::free_address::free_address;
 use crate::support::python::python;
 use crate::text_line::{TIMEOUT, samples, uri};
@@ -202,19 +202,9 @@ fn a_single_datagram_of_another_sender_is_reported_without_another_one() {
 
 #[test]
 fn an_address_without_a_datagram_gives_a_warning() {
-    log();
     let (mut source, address) = open_at_free_port("opentrack");
-    let expected = format!("no datagram has arrived at udp:{address}?protocol=opentrack for 5 s");
-    let is_logged = || {
-        let text = String::from_utf8_lossy(&log().lock().unwrap()).into_owned();
-        text.contains(&expected)
-    };
-    assert!(!is_logged());
-    let deadline = Instant::now() + TIMEOUT;
-    while !is_logged() {
-        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
-        assert!(Instant::now() < deadline, "no warning");
-    }
+    let warning = format!("no datagram has arrived at udp:{address}?protocol=opentrack for 5 s");
+    wait_for_warning(&mut *source, &warning);
 }
 
 /// Sends a frame as several programs do: bones in two bundles, the last of them inside the bundle of the state, with

@@ -129,6 +129,17 @@ fn logged(port: &Port, part: &str) -> usize {
         .count()
 }
 
+/// Reads a source at which nothing arrives until this warning is logged.
+pub fn wait_for_warning(source: &mut dyn Source, warning: &str) {
+    let is_logged = || String::from_utf8_lossy(&log().lock().unwrap()).contains(warning);
+    assert!(!is_logged());
+    let deadline = Instant::now() + TIMEOUT;
+    while !is_logged() {
+        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
+        assert!(Instant::now() < deadline, "no warning");
+    }
+}
+
 /// Sends noise and then `count` packets at the bit rate, in pieces of random size, and checks every reading.
 fn check_packets_at(baud: u32, count: usize) {
     let mut random = Rng::with_seed(u64::from(baud));

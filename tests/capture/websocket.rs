@@ -2,7 +2,7 @@
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use ademan::capture::protocol::joint_sets::{self, WEBXR};
 use ademan::capture::{CaptureError, Source, SourceEvent, open};
@@ -13,7 +13,7 @@ use tungstenite::protocol::frame::Frame;
 use tungstenite::protocol::frame::coding::{Data, OpCode};
 use tungstenite::{Message, WebSocket};
 
-use crate::serial::log;
+use crate::serial::wait_for_warning;
 use crate::support::free_address::free_address;
 use crate::support::source::next_within;
 
@@ -120,20 +120,10 @@ fn pages_of_other_sites_and_other_host_names_are_refused() {
 
 #[test]
 fn an_address_without_a_message_gives_a_warning() {
-    log();
     let (mut source, address) = source("");
     let _client = connect(address, &[]).expect("a client that sends nothing");
-    let expected = format!("no message has arrived at ws:{address}?protocol=webxr for 5 s");
-    let is_logged = || {
-        let text = String::from_utf8_lossy(&log().lock().unwrap()).into_owned();
-        text.contains(&expected)
-    };
-    assert!(!is_logged());
-    let deadline = Instant::now() + TIMEOUT;
-    while !is_logged() {
-        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
-        assert!(Instant::now() < deadline, "no warning");
-    }
+    let warning = format!("no message has arrived at ws:{address}?protocol=webxr for 5 s");
+    wait_for_warning(&mut *source, &warning);
 }
 
 #[test]
