@@ -5,6 +5,7 @@ use std::process::Stdio;
 
 use ademan::capture::protocol::body_landmarks::encode;
 use ademan::hand::Side;
+use tempfile::TempDir;
 
 use crate::support::body::{ONE_KEY, TWO_KEYS, taps};
 use crate::{ademan, file, run, text};
@@ -59,19 +60,21 @@ fn a_file_of_landmarks_is_typed_recorded_and_replayed() {
     assert!((across + 0.03).abs() < 1e-5, "{across}");
 }
 
-#[test]
-fn both_hands_of_a_body_type() {
-    let folder = tempfile::tempdir().unwrap();
-    file(&folder, "two-keys.ron", TWO_KEYS);
-    let path = file(
-        &folder,
-        "body.jsonl",
-        lines(&[Side::Left, Side::Right]).concat(),
-    );
+/// Writes a layout with two keys and the lines of a body whose hands tap them. Returns the setup that reads them.
+pub fn two_hands(folder: &TempDir) -> String {
+    file(folder, "two-keys.ron", TWO_KEYS);
+    let lines = lines(&[Side::Left, Side::Right]).concat();
+    let path = file(folder, "body.jsonl", lines);
     let setup = format!(
         "Setup(source: \"file:{path}?protocol=body-landmarks\", other_hand: OtherHand(), layout: \"two-keys.ron\")"
     );
-    let setup = file(&folder, "two.ron", setup);
+    file(folder, "two.ron", setup)
+}
+
+#[test]
+fn both_hands_of_a_body_type() {
+    let folder = tempfile::tempdir().unwrap();
+    let setup = two_hands(&folder);
     let typed = run(["run", &setup]).done();
     assert_eq!(
         keys(&typed.out),
@@ -84,16 +87,7 @@ fn both_hands_of_a_body_type() {
 #[test]
 fn a_trace_of_a_recording_shows_both_hands_and_touches_its_own_layout() {
     let folder = tempfile::tempdir().unwrap();
-    file(&folder, "two-keys.ron", TWO_KEYS);
-    let path = file(
-        &folder,
-        "body.jsonl",
-        lines(&[Side::Left, Side::Right]).concat(),
-    );
-    let setup = format!(
-        "Setup(source: \"file:{path}?protocol=body-landmarks\", other_hand: OtherHand(), layout: \"two-keys.ron\")"
-    );
-    let setup = file(&folder, "two.ron", setup);
+    let setup = two_hands(&folder);
     let recording = folder.path().join("two-hands.mcap");
     let recording = recording.to_str().unwrap();
     run(["record", recording, "--setup", &setup]).done();

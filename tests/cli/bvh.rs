@@ -6,10 +6,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ademan::capture::bvh::{Bvh, HandJoints, PositionChannels};
-use ademan::capture::protocol::body_landmarks::encode;
 use ademan::hand::{Joint, Side};
 
-use crate::support::body::{TWO_KEYS, taps};
+use crate::body_landmarks::two_hands;
 use crate::support::process::Process;
 use crate::text_line::pressed_keys;
 use crate::{Ended, ademan, file, run, text};
@@ -38,16 +37,7 @@ fn an_exported_hand_is_typed_recorded_and_replayed() {
 #[test]
 fn both_arms_of_body_landmarks_are_exported_below_the_hips_without_a_folded_finger() {
     let folder = tempfile::tempdir().unwrap();
-    file(&folder, "two-keys.ron", TWO_KEYS);
-    let lines: Vec<String> = taps(&[Side::Left, Side::Right])
-        .iter()
-        .map(encode)
-        .collect();
-    let body = file(&folder, "body.jsonl", lines.concat());
-    let setup = format!(
-        "Setup(source: \"file:{body}?protocol=body-landmarks\", other_hand: OtherHand(), layout: \"two-keys.ron\")"
-    );
-    let setup = file(&folder, "two.ron", setup);
+    let setup = two_hands(&folder);
     let export = |name: &str, options: &[&str]| {
         let path = folder.path().join(name);
         let arguments = ["export", text(&path), "--setup", &setup].into_iter();
