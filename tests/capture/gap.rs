@@ -12,7 +12,7 @@ use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
-use crate::support::press::{Posture, Press, glove_format, reading};
+use crate::support::press::{Press, readings};
 
 /// The gap in the recording.
 const GAP: Duration = Duration::from_secs(2);
@@ -35,13 +35,8 @@ struct GappedReplay {
 impl GappedReplay {
     fn new(is_paced: bool, is_released: &Arc<AtomicBool>) -> Self {
         let press = Press::for_text("h");
-        let mut time = Timestamp(0);
-        let mut next = |posture: &Posture| {
-            time = time + glove_format().packet_period();
-            reading(time, posture)
-        };
-        let before: Vec<_> = press.approach.iter().map(&mut next).collect();
-        let mut after: Vec<_> = press.lift.iter().map(&mut next).collect();
+        let mut before = readings(&[&press.approach[..], &press.lift].concat());
+        let mut after = before.split_off(press.approach.len());
         for reading in &mut after {
             reading.time = reading.time + GAP;
         }

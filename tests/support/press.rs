@@ -78,6 +78,16 @@ pub fn reading(time: Timestamp, posture: &Posture) -> Reading {
     )
 }
 
+/// Returns the readings of these postures, one packet period apart.
+pub fn readings(postures: &[Posture]) -> Vec<Reading> {
+    let mut time = Timestamp(0);
+    let next = |posture| {
+        time = time + glove_format().packet_period();
+        reading(time, posture)
+    };
+    postures.iter().map(next).collect()
+}
+
 fn postures(mut typist: SimulatedTypist) -> Vec<Posture> {
     let mut postures = Vec::new();
     while let Some(counts) = typist.next_counts() {

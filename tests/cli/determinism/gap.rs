@@ -5,11 +5,10 @@ use std::time::Duration;
 use ademan::capture::recording::RecordedSetup;
 use ademan::recorder::Recorder;
 use ademan::setup::Setup;
-use ademan::time::Timestamp;
 
 use super::{assert_same, record_source, replay_by_program};
 use crate::ademan;
-use crate::support::press::{Posture, Press, glove_format, reading};
+use crate::support::press::{Press, readings};
 use crate::support::recording::Readings;
 
 /// The gap, during which a key is pressed.
@@ -18,20 +17,16 @@ const GAP: Duration = Duration::from_millis(1_500);
 #[test]
 fn a_recording_with_a_gap_gives_the_same_bytes_at_any_speed() {
     let press = Press::for_text("h");
-    let mut time = Timestamp(0);
-    let mut next = |posture: &Posture| {
-        time = time + glove_format().packet_period();
-        reading(time, posture)
-    };
     // The hand is clear of all keys for long enough to arm.
-    let mut readings: Vec<_> = (0..80).map(|_| next(&press.clear())).collect();
-    readings.extend(press.approach.iter().map(&mut next));
-    let gap = readings.len();
+    let mut postures = vec![press.clear(); 80];
+    postures.extend(&press.approach);
+    let gap = postures.len();
     for _ in 0..2 {
-        readings.extend(press.lift.iter().map(&mut next));
-        readings.extend((0..80).map(|_| next(&press.clear())));
-        readings.extend(press.approach.iter().map(&mut next));
+        postures.extend(&press.lift);
+        postures.extend([press.clear(); 80]);
+        postures.extend(&press.approach);
     }
+    let mut readings = readings(&postures);
     for reading in &mut readings[gap..] {
         reading.time = reading.time + GAP;
     }
@@ -51,24 +46,21 @@ fn a_recording_with_a_gap_gives_the_same_bytes_at_any_speed() {
 #[test]
 fn a_run_of_a_recording_keeps_the_stall_limit_of_the_setup_whatever_period_the_recording_states() {
     let press = Press::for_text("h");
-    let mut time = Timestamp(0);
-    let mut next = |posture: &Posture| {
-        time = time + glove_format().packet_period();
-        reading(time, posture)
-    };
-    let mut readings: Vec<_> = (0..80).map(|_| next(&press.clear())).collect();
-    readings.extend(press.approach.iter().map(&mut next));
-    let last = readings[readings.len() - 1].time;
-    readings.extend(press.lift.iter().map(&mut next));
+    let mut postures = vec![press.clear(); 80];
+    postures.extend(&press.approach);
+    let gap = postures.len();
+    postures.extend(&press.lift);
+    let mut readings = readings(&postures);
+    let last = readings[gap - 1].time;
+    for reading in &mut readings[gap..] {
+        reading.time = reading.time + GAP;
+    }
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("period.mcap");
     let setup = RecordedSetup::default().with_packet_period(Some(Duration::from_secs(1)));
     let mut recorder = Recorder::create(&path, &setup).expect("a file");
-    for mut reading in readings {
-        if reading.time > last {
-            reading.time = reading.time + GAP;
-        }
-        recorder.write_reading(&reading).expect("room on the disk");
+    for reading in &readings {
+        recorder.write_reading(reading).expect("room on the disk");
     }
     recorder.finish().expect("room on the disk");
     let source = format!("recording:{}", path.display());

@@ -5,9 +5,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use ademan::setup::Setup;
-use ademan::time::Timestamp;
 
-use crate::support::press::{Posture, Press, glove_format, reading, x11_code};
+use crate::support::press::{Press, readings, x11_code};
 use crate::support::program::Program;
 use crate::support::recording::{Readings, record_source};
 use crate::support::x11::{XServer, wait_for};
@@ -21,15 +20,11 @@ const ATTEMPTS: usize = 5;
 /// Records a press of H that lasts until after a gap.
 fn record(path: &Path) {
     let press = Press::for_text("h");
-    let mut time = Timestamp(0);
-    let mut next = |posture: &Posture| {
-        time = time + glove_format().packet_period();
-        reading(time, posture)
-    };
-    let mut readings: Vec<_> = (0..80).map(|_| next(&press.clear())).collect();
-    readings.extend(press.approach.iter().map(&mut next));
-    let gap = readings.len();
-    readings.extend(press.lift.iter().map(&mut next));
+    let mut postures = vec![press.clear(); 80];
+    postures.extend(&press.approach);
+    let gap = postures.len();
+    postures.extend(&press.lift);
+    let mut readings = readings(&postures);
     for reading in &mut readings[gap..] {
         reading.time = reading.time + GAP;
     }
