@@ -1,6 +1,6 @@
 //! Poses of boards, and commands that move them, through the whole pipeline.
 
-use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
+use ademan::capture::{Channels, Reading, Sample};
 use ademan::command::CommandOrigin;
 use ademan::contact::board_pose::BoardPose;
 use ademan::contact::surface::Scene;
@@ -12,6 +12,8 @@ use ademan::setup::{LoadedSetup, ProfileSetup, Setup};
 use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
+
+use crate::wearer::channels;
 
 /// Distance between adjacent keys, in metres.
 const PITCH: f32 = 0.019;
@@ -77,18 +79,7 @@ impl Wearer {
         let miss = hand.reach(tip, &mut values, &[]);
         assert!(miss < 1e-3, "{tip} is {miss} m out of reach");
         let angles = hand.angles(&values);
-        let full_scale = map.full_scale();
-        let mut counts: arrayvec::ArrayVec<u16, MAX_CHANNELS> =
-            (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
-        for row in map.rows().iter().rev() {
-            let exact = row.calibration.apply_inverse(angles.get(row.dof)).round();
-            counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
-        }
-        self.shown = Channels {
-            full_scale,
-            counts,
-            unsent: Default::default(),
-        };
+        self.shown = channels(map, |dof| angles.get(dof));
     }
 
     /// Returns the positions of the fingertip above a key and at the bottom of its travel.

@@ -3,7 +3,8 @@
 use std::fs;
 
 use crate::support::checked::CheckedPipeline;
-use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
+use crate::wearer::channels;
+use ademan::capture::{Channels, Reading, Sample};
 use ademan::command::Command;
 use ademan::device::{EventKind, Events, OutputEvent};
 use ademan::document::Document;
@@ -14,7 +15,6 @@ use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, Setup, SmoothingSetup};
 use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
-use arrayvec::ArrayVec;
 
 /// A trigger that toggles the pause when the left ring finger bends. At rest it is straight.
 const GESTURE: &str = "triggers: [(name: \"Stop\", hand: \"left\", action: Command(\"toggle-pause\"), \
@@ -112,26 +112,10 @@ impl TwoHands {
         let angles = if is_down { pressed } else { hover };
         let bent = if side == Side::Left { self.bent } else { 0.0 };
         let (_, map) = arm_and_map(&self.setup, side);
-        let full_scale = map.full_scale();
-        let mut counts: ArrayVec<u16, MAX_CHANNELS> =
-            (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
-        for row in map.rows().iter().rev() {
-            let flexion = if row.dof == Dof::RingMcpFlexion {
-                bent
-            } else {
-                0.0
-            };
-            let count = row
-                .calibration
-                .apply_inverse(angles.get(row.dof) + flexion)
-                .round();
-            counts[row.channel] = count.clamp(1.0, f64::from(full_scale - 1)) as u16;
-        }
-        Channels {
-            full_scale,
-            counts,
-            unsent: Default::default(),
-        }
+        channels(map, |dof| match dof {
+            Dof::RingMcpFlexion => angles.get(dof) + bent,
+            _ => angles.get(dof),
+        })
     }
 
     /// Steps the pipeline with a reading of one hand. Returns its events and the rejection, if any.

@@ -3,7 +3,7 @@
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::device::{EventKind, Events};
 use ademan::estimate::ChannelMap;
-use ademan::hand::{HandPart, Side};
+use ademan::hand::{Dof, HandPart, Side};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
@@ -123,7 +123,8 @@ impl Wearer {
     }
 }
 
-fn channels(map: &ChannelMap, angle: impl Fn(ademan::hand::Dof) -> f64) -> Channels {
+/// Returns what a glove reads of these angles. Channels without a row are in the middle of their range.
+pub fn channels(map: &ChannelMap, angle: impl Fn(Dof) -> f64) -> Channels {
     let full_scale = map.full_scale();
     let mut counts: arrayvec::ArrayVec<u16, MAX_CHANNELS> =
         (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
