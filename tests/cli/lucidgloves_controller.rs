@@ -12,7 +12,8 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::Receiver;
 use serialport::{SerialPort, TTYPort};
 
-use crate::support::process::{Process, lock_spawning};
+use crate::support::glove::pseudo_terminal;
+use crate::support::process::Process;
 use crate::support::run::{ARMED, TIMEOUT, line_receiver, next_event};
 use crate::{ademan, file};
 
@@ -74,16 +75,7 @@ impl Run {
         // A busy machine that delays lines must not end a press.
         let setup = "Setup(layout: \"lucidgloves-controller\", stall_timeout_ms: 2000)";
         let setup = file(&folder, "setup.ron", setup);
-        let (mut master, port) = {
-            let _lock = lock_spawning();
-            let (master, port) = TTYPort::pair().expect("a pseudo-terminal");
-            // Clones are closed in child processes, which would otherwise keep the line open.
-            (
-                master.try_clone_native().expect("a descriptor"),
-                port.try_clone_native().expect("a descriptor"),
-            )
-        };
-        master.set_timeout(TIMEOUT).expect("a time-out");
+        let (mut master, port) = pseudo_terminal();
         let inputs = Arc::new(Mutex::new(first));
         let lines = Arc::new(AtomicU64::new(0));
         let (sent, count) = (inputs.clone(), lines.clone());

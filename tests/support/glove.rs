@@ -9,12 +9,24 @@ use std::time::{Duration, Instant};
 use ademan::capture::hc11::{Framing, encode};
 use ademan::capture::open_loopback;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, unbounded};
+use serialport::{SerialPort, TTYPort};
 
 use super::press::{Posture, glove_format};
 use super::process::lock_spawning;
 
 /// Longest time for a movement on a busy machine.
 const TIMEOUT: Duration = Duration::from_secs(60);
+
+/// Returns a pseudo-terminal: the end of a glove, and the end that a program opens.
+pub fn pseudo_terminal() -> (TTYPort, TTYPort) {
+    let _lock = lock_spawning();
+    let (master, port) = TTYPort::pair().expect("a pseudo-terminal");
+    // Clones are closed in child processes, which would otherwise keep the line open.
+    let clone = |end: &TTYPort| end.try_clone_native().expect("a descriptor");
+    let mut glove = clone(&master);
+    glove.set_timeout(TIMEOUT).expect("a time-out");
+    (glove, clone(&port))
+}
 
 /// A connected glove, which sends packets at the rate of its line. It repeats its last posture.
 pub struct Glove {

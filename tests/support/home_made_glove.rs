@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use serialport::{SerialPort, TTYPort};
 
-use super::process::{Process, lock_spawning};
-use super::run::TIMEOUT;
+use super::glove::pseudo_terminal;
+use super::process::Process;
 
 /// The time between two lines.
 const PERIOD: Duration = Duration::from_millis(10);
@@ -114,14 +114,7 @@ pub struct Wearer {
 
 impl Wearer {
     pub fn start(build: Build) -> Self {
-        let _lock = lock_spawning();
-        let (master, port) = TTYPort::pair().expect("a pseudo-terminal");
-        // Clones are closed in child processes, which would otherwise keep the line open.
-        let (mut master, port) = (
-            master.try_clone_native().expect("a descriptor"),
-            port.try_clone_native().expect("a descriptor"),
-        );
-        master.set_timeout(TIMEOUT).expect("a time-out");
+        let (mut master, port) = pseudo_terminal();
         let pose = Arc::new(Mutex::new(bends("flat")));
         let ends = Arc::new(AtomicBool::new(false));
         let (taken, is_ended) = (pose.clone(), ends.clone());

@@ -12,8 +12,8 @@ use crossbeam_channel::{Receiver, Sender, unbounded};
 use serialport::{SerialPort, TTYPort};
 
 use crate::support::free_address::free_address;
+use crate::support::glove::pseudo_terminal;
 use crate::support::lucidgloves::{curls, legacy};
-use crate::support::process::lock_spawning;
 use crate::support::run::TIMEOUT;
 
 /// Time between two lines of readings.
@@ -104,14 +104,7 @@ impl Glove {
     }
 
     fn serial(reads: bool, state: State) -> Self {
-        let _lock = lock_spawning();
-        let (master, port) = TTYPort::pair().expect("a pseudo-terminal");
-        // Clones are closed in child processes, which would otherwise keep the line open.
-        let (mut master, port) = (
-            master.try_clone_native().expect("a descriptor"),
-            port.try_clone_native().expect("a descriptor"),
-        );
-        master.set_timeout(TIMEOUT).expect("a time-out");
+        let (mut master, port) = pseudo_terminal();
         let (sender, feedback) = unbounded();
         let state = Arc::new(state);
         let source = format!(
