@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
+use super::browser_and_server;
 use super::page::{edit, open};
-use super::{folder, serve};
 use crate::browser::Browser;
 
 /// The state of the list, as a screen reader knows it.
@@ -64,11 +64,9 @@ fn offers(look: &Value, name: &str) -> bool {
 
 #[test]
 fn names_are_offered_while_typing_and_accepted_with_a_key() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     open(&mut browser, &address);
     let text = "Layout(\n    name: \"A\",\n    boards: [(pose: (anchor: world, ), rows: [(at_mm: (0, 0), keys: \"A B\")])],\n    // an\n)\n";
     edit(&mut browser, &format!("{text:?}"));
@@ -175,11 +173,9 @@ fn names(browser: &mut Browser, text: &str) -> Vec<String> {
 
 #[test]
 fn the_names_are_those_that_may_stand_at_the_cursor() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     open(&mut browser, &address);
     for (text, expected) in [
         ("Layout(bo|)", &["boards: "][..]),

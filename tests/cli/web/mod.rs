@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 use crate::ademan;
+use crate::browser::Browser;
 use crate::support::process::Process;
 
 /// Returns the folder of the page; `None` if it is not built.
@@ -44,6 +45,15 @@ fn serve(folder: &Path) -> (Process, String) {
         Some(rest.split(';').next()?.to_owned())
     });
     (process, address.expect("a message with the address"))
+}
+
+/// Starts a browser and a server of the page. Returns them with the address of the page; `None` if the machine has no browser or
+/// the page is not built.
+fn browser_and_server() -> Option<(Browser, Process, String)> {
+    let folder = folder()?;
+    let browser = Browser::start()?;
+    let (server, address) = serve(&folder);
+    Some((browser, server, address))
 }
 
 #[cfg(not(feature = "tls"))]

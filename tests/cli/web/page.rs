@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{folder, serve};
+use super::browser_and_server;
 use crate::browser::Browser;
 use crate::run;
 
@@ -108,11 +108,9 @@ fn press_with_the_mouse(browser: &mut Browser) {
 
 #[test]
 fn chromium_types_edits_and_drags_on_the_page_and_asks_no_other_server() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     browser.call("Network.enable", json!({}));
     open(&mut browser, &address);
     browser.evaluate("document.getElementById('type').click()");
@@ -183,11 +181,9 @@ fn chromium_types_edits_and_drags_on_the_page_and_asks_no_other_server() {
 
 #[test]
 fn a_link_of_the_page_and_one_of_the_program_carry_a_layout() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     open(&mut browser, &address);
     edit(
         &mut browser,
@@ -250,11 +246,9 @@ fn asks_before_it_closes(browser: &mut Browser) -> bool {
 
 #[test]
 fn the_page_asks_before_it_drops_a_changed_layout() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     open(&mut browser, &address);
     assert!(
         !asks_before_it_closes(&mut browser),
@@ -284,11 +278,9 @@ fn the_page_asks_before_it_drops_a_changed_layout() {
 
 #[test]
 fn the_page_opens_without_a_server_after_the_first_visit() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, server, address)) = browser_and_server() else {
         return;
     };
-    let (server, address) = serve(&folder);
     open(&mut browser, &address);
     let controlled = "({controlled: Boolean(navigator.serviceWorker.controller)})";
     browser.wait_for(controlled, "the files are kept", |look| {
@@ -328,11 +320,9 @@ pub fn look_like(browser: &mut Browser, width: u32, height: u32, theme: &str) {
 
 #[test]
 fn the_page_fits_a_phone_and_a_desk_in_both_themes() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     for (width, height) in [(1400, 860), (390, 844)] {
         for theme in ["dark", "light"] {
             look_like(&mut browser, width, height, theme);

@@ -2,8 +2,8 @@
 
 use serde_json::json;
 
+use super::browser_and_server;
 use super::page::{edit, look_like, open};
-use super::{folder, serve};
 use crate::browser::Browser;
 
 const LOOK: &str = r##"({
@@ -56,11 +56,9 @@ const KEEP_FIRST_SCORE: &str = r##"(() => {
 
 #[test]
 fn people_score_a_layout_beside_the_page_and_the_plan_shows_missed_keys() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     open(&mut browser, &address);
     browser.evaluate("document.getElementById('score').open = true");
     browser.evaluate(WATCH);

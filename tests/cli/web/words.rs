@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::page::{edit, open};
-use super::{folder, serve};
+use super::{browser_and_server, folder, serve};
 use crate::browser::Browser;
 
 const LOOK: &str = r##"({
@@ -39,11 +39,9 @@ fn type_text(browser: &mut Browser, text: &str) {
 
 #[test]
 fn words_are_corrected_and_a_click_takes_one() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     browser.call("Network.enable", json!({}));
     open(&mut browser, &address);
     let loaded = |page: &Browser| {
