@@ -4,7 +4,6 @@ use std::io::Write;
 use std::thread;
 use std::time::Duration;
 
-use ademan::capture::{Reading, Sample, hc11};
 use ademan::device::Events;
 use ademan::document::Document;
 use ademan::files::OpenDocument;
@@ -16,7 +15,8 @@ use tempfile::NamedTempFile;
 
 use crate::ademan;
 use crate::control::{ctl, events_of};
-use crate::support::run::{ARMED, MOVE_TIME, Posture, Run, postures};
+use crate::support::press::{Posture, reading};
+use crate::support::run::{ARMED, MOVE_TIME, Run, postures};
 
 /// The time for which a finger is stretched.
 const STRETCH_TIME: Duration = Duration::from_millis(1_000);
@@ -49,8 +49,7 @@ fn presses(clear: &Posture, posture: &Posture) -> bool {
     let mut events = Events::new();
     for number in 1..=400 {
         let posture = if number <= 200 { clear } else { posture };
-        let sample = Sample::Channels(hc11::channels(posture));
-        let reading = Reading::new(Timestamp(5_729 * number), None, sample);
+        let reading = reading(Timestamp(5_729 * number), posture);
         let _ = pipeline.step(&reading, &mut events);
     }
     !events.is_empty()

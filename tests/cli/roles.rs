@@ -10,10 +10,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::support::binary::ademan;
+use crate::support::press::postures;
 use crate::support::process::Process;
 use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver};
 use ademan::capture::Hc11Format;
-use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
+use ademan::capture::hc11::{Framing, encode};
 use ademan::session::control_socket::Client;
 use ademan::setup::Setup;
 use serde_json::Value;
@@ -174,10 +175,11 @@ fn serve_pause_key(listener: &TcpListener, played: &AtomicU32) {
     let (mut line, _) = listener.accept().expect("the program connects");
     loop {
         let hand = setup.scripted("tap pause", &Hc11Format::default(), 0.0, 0);
-        let mut hand = hand.expect("the hand reaches the key");
-        while let Some(counts) = hand.next_counts() {
-            let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
-            if line.write_all(&encode(Framing::Double06, &body)).is_err() {
+        for posture in postures(hand.expect("the hand reaches the key")) {
+            if line
+                .write_all(&encode(Framing::Double06, &posture))
+                .is_err()
+            {
                 return;
             }
             thread::sleep(Hc11Format::default().packet_period());

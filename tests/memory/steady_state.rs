@@ -7,7 +7,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use ademan::capture::hc11::{self, Framing, Hc11Decoder, encode};
+use ademan::capture::hc11::{Framing, Hc11Decoder};
 use ademan::capture::protocol::Decoder;
 use ademan::capture::{Hc11Format, Reading, Sample};
 use ademan::contact::{Phase, TargetId, Touch, Touches};
@@ -23,12 +23,13 @@ use ademan::layout::Layout as Keys;
 use ademan::pipeline::{LayoutInstance, Pipeline, PipelineState, SourceRole};
 use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::{LoadedSetup, Setup};
-use ademan::sim::SimulatedTypist;
 use ademan::text::{TextModeSetup, TextSetup};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
+use crate::support::press::{postures, reading};
 use crate::support::source::typing_estimates;
+use crate::support::wearer::packets;
 
 /// The system allocator with counters for each thread.
 struct CountingAllocator;
@@ -88,19 +89,6 @@ pub fn live_bytes() -> i64 {
     LIVE_BYTES.with(Cell::get)
 }
 
-/// Returns the packets of a glove whose wearer types.
-fn stream(mut typist: SimulatedTypist) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    while let Some(counts) = typist.next_counts() {
-        let mut body = [0; 64];
-        for (byte, count) in body.iter_mut().zip(counts) {
-            *byte = count as u8;
-        }
-        bytes.extend(encode(Framing::Double06, &body));
-    }
-    bytes
-}
-
 #[test]
 fn moving_and_auto_recentering_boards_do_not_allocate() {
     let text = "Layout(name: \"a\", boards: [(auto_recenter: (delay_ms: 100), pose: (anchor: elbow, \
@@ -115,11 +103,7 @@ fn moving_and_auto_recentering_boards_do_not_allocate() {
     let mut pipeline = setup.pipeline();
     let mut events = Events::new();
     let mut step = |stepped: &mut Pipeline, index: u64| {
-        let reading = Reading::new(
-            Timestamp(10_000 * index),
-            None,
-            Sample::Channels(hc11::channels(&body)),
-        );
+        let reading = reading(Timestamp(10_000 * index), &body);
         let before = allocations();
         stepped
             .step(&reading, &mut events)
@@ -151,7 +135,7 @@ fn a_packet_is_processed_to_events_without_allocation() {
     let setup = Setup::default().load_files().expect("the default setup");
     let text = "Steady State!";
     let typist = setup.typist(text, &Hc11Format::default(), 0.5, 7);
-    let bytes = stream(typist.expect("the text can be typed"));
+    let bytes = packets(&postures(typist.expect("the text can be typed")));
     let mut pipeline = setup.pipeline();
     let mut decoder = Hc11Decoder::new(Framing::Double06);
     let mut events = Events::new();
@@ -181,17 +165,11 @@ fn a_packet_is_processed_to_events_without_allocation() {
 /// Returns the readings of a hand that types `text`, at intervals of 5.7 ms.
 fn readings(setup: &LoadedSetup, text: &str) -> Vec<Reading> {
     let typist = setup.typist(text, &Hc11Format::default(), 0.5, 7);
-    let mut typist = typist.expect("the text can be typed");
-    let mut readings = Vec::new();
-    while let Some(counts) = typist.next_counts() {
-        let body = std::array::from_fn(|channel| counts[channel] as u8);
-        readings.push(Reading::new(
-            Timestamp(5_729 * (readings.len() as u64 + 1)),
-            None,
-            Sample::Channels(hc11::channels(&body)),
-        ));
-    }
-    readings
+    let postures = postures(typist.expect("the text can be typed"));
+    let numbered = (1..).zip(&postures);
+    numbered
+        .map(|(number, posture)| reading(Timestamp(5_729 * number), posture))
+        .collect()
 }
 
 /// Processes `readings` with time stamps delayed by `delay_us`. Returns the number of events.

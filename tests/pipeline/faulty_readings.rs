@@ -8,7 +8,7 @@ use ademan::hand::{Dof, Finger, FingerSet, Side};
 use ademan::layout::Layout;
 use ademan::setup::LoadedSetup;
 
-use crate::support::press::{Posture, Press, glove_format, typing};
+use crate::support::press::{self, Posture, Press, glove_format, typing};
 use crate::support::wearer::{GloveWearer, default_setup, packets, pipeline_with};
 
 /// A channel of the shipped glove.
@@ -32,12 +32,7 @@ fn with(posture: &Posture, channel: usize, count: u8) -> Posture {
 /// Returns the packets of a hand that plays a script.
 fn postures(loaded: &LoadedSetup, script: &str) -> Vec<Posture> {
     let typist = loaded.scripted(script, &glove_format(), 0.0, 0);
-    let mut typist = typist.unwrap_or_else(|error| panic!("{error}"));
-    std::iter::from_fn(|| {
-        let counts = typist.next_counts()?;
-        Some(std::array::from_fn(|channel| counts[channel] as u8))
-    })
-    .collect()
+    press::postures(typist.unwrap_or_else(|error| panic!("{error}")))
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! One key press of a simulated hand, as postures of the glove.
 
-use ademan::capture::hc11::BODY_BYTES;
-use ademan::capture::{Channels, Hc11Format, Reading, Sample};
+use ademan::capture::hc11::{BODY_BYTES, channels};
+use ademan::capture::{Hc11Format, Reading, Sample};
 use ademan::device::{EventKind, Events, KeyCode};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
@@ -67,15 +67,7 @@ pub fn x11_code(name: &str) -> u16 {
 
 /// Returns the reading of a posture.
 pub fn reading(time: Timestamp, posture: &Posture) -> Reading {
-    Reading::new(
-        time,
-        None,
-        Sample::Channels(Channels {
-            full_scale: 255,
-            counts: posture.iter().copied().map(u16::from).collect(),
-            unsent: Default::default(),
-        }),
-    )
+    Reading::new(time, None, Sample::Channels(channels(posture)))
 }
 
 /// Returns the readings of these postures, one packet period apart.
@@ -88,7 +80,8 @@ pub fn readings(postures: &[Posture]) -> Vec<Reading> {
     postures.iter().map(next).collect()
 }
 
-fn postures(mut typist: SimulatedTypist) -> Vec<Posture> {
+/// Returns the postures of a simulated hand, one for each packet.
+pub fn postures(mut typist: SimulatedTypist) -> Vec<Posture> {
     let mut postures = Vec::new();
     while let Some(counts) = typist.next_counts() {
         let mut posture = [0; BODY_BYTES];

@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
-use ademan::capture::{Hc11Format, Reading, Sample, hc11};
+use ademan::capture::Hc11Format;
+use ademan::capture::hc11::{Framing, encode};
 use ademan::contact::Phase;
 use ademan::device::Events;
 use ademan::files::Load;
@@ -20,6 +20,7 @@ use crossbeam_channel::{Receiver, unbounded};
 use tempfile::TempDir;
 
 use super::binary::ademan;
+use super::press::{Posture, reading};
 use super::process::Process;
 
 /// The time after which a test gives up. Nothing takes as long, even on a busy machine.
@@ -27,9 +28,6 @@ pub const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The time for the filters to follow a change of posture.
 pub const MOVE_TIME: Duration = Duration::from_millis(500);
-
-/// The channel values of one packet.
-pub type Posture = [u8; BODY_BYTES];
 
 /// Returns two postures of the glove: the index finger over the H key, and on the pressed key.
 pub fn postures() -> (Posture, Posture) {
@@ -42,11 +40,7 @@ pub fn postures() -> (Posture, Posture) {
         let counts = typist.next_counts().expect("the hand presses the key");
         let posture = std::array::from_fn(|channel| counts[channel] as u8);
         over.get_or_insert(posture);
-        let reading = Reading::new(
-            Timestamp(5_729 * number),
-            None,
-            Sample::Channels(hc11::channels(&posture)),
-        );
+        let reading = reading(Timestamp(5_729 * number), &posture);
         let step = pipeline.step(&reading, &mut Events::new());
         let touches = &step.expect("an accepted reading").touches;
         if touches

@@ -1,8 +1,7 @@
 //! A glove whose bytes go straight through the pipeline, so that the result does not depend on the load of the machine.
 
-use ademan::capture::hc11::{Framing, Hc11Decoder, PACKET_BYTES, body, channels, encode};
+use ademan::capture::hc11::{Framing, Hc11Decoder, PACKET_BYTES, body, encode};
 use ademan::capture::protocol::{Decoder, Packet};
-use ademan::capture::{Reading, Sample};
 use ademan::device::{EventKind, Events};
 use ademan::estimate::{Estimator, EstimatorSettings, Rejection};
 use ademan::kinematics::ArmModel;
@@ -11,7 +10,7 @@ use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::time::Timestamp;
 
-use super::press::{Posture, glove_format};
+use super::press::{Posture, glove_format, reading};
 
 /// Loads the default setup.
 pub fn default_setup() -> LoadedSetup {
@@ -86,11 +85,7 @@ impl GloveWearer {
 
     /// Gives the pipeline a posture at the current time.
     pub fn show(&mut self, posture: &Posture) -> Option<Rejection> {
-        let reading = Reading::new(
-            Timestamp(self.now),
-            None,
-            Sample::Channels(channels(posture)),
-        );
+        let reading = reading(Timestamp(self.now), posture);
         let mut events = Events::new();
         let rejection = self.pipeline.step(&reading, &mut events).err();
         self.write(&events);

@@ -5,15 +5,15 @@ use std::os::unix::net::UnixStream;
 use std::thread;
 use std::time::Instant;
 
-use ademan::capture::hc11::{BODY_BYTES, Framing, channels, encode};
-use ademan::capture::{Hc11Format, Reading, Sample};
+use ademan::capture::Hc11Format;
+use ademan::capture::hc11::{Framing, encode};
 use ademan::device::{EventKind, Events};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
 use ademan::time::Timestamp;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
-type Posture = [u8; BODY_BYTES];
+use crate::support::press::{Posture, postures, reading};
 
 /// A movement of the hand, which starts and ends clear of all keys.
 pub struct HandMotion {
@@ -43,14 +43,10 @@ impl HandMotion {
         let mut pipeline = setup.pipeline();
         let mut all_events = Vec::new();
         for (index, posture) in postures.iter().enumerate() {
-            let reading = Reading::new(
-                Timestamp(0) + Hc11Format::default().packet_period() * index as u32,
-                None,
-                Sample::Channels(channels(posture)),
-            );
+            let time = Timestamp(0) + Hc11Format::default().packet_period() * index as u32;
             let mut events = Events::new();
             pipeline
-                .step(&reading, &mut events)
+                .step(&reading(time, posture), &mut events)
                 .expect("a reading with all channels");
             all_events.extend(events.iter().map(|event| (index, event.kind)));
         }
@@ -99,18 +95,6 @@ fn load_setup(layout: &str) -> LoadedSetup {
         ..Setup::default()
     };
     setup.load_files().expect("a valid setup")
-}
-
-fn postures(mut typist: SimulatedTypist) -> Vec<Posture> {
-    let mut postures = Vec::new();
-    while let Some(counts) = typist.next_counts() {
-        let mut posture = [0; BODY_BYTES];
-        for (byte, count) in posture.iter_mut().zip(counts) {
-            *byte = u8::try_from(count).expect("the glove has 8 bits");
-        }
-        postures.push(posture);
-    }
-    postures
 }
 
 /// A glove that sends packets at the rate of its line and repeats its last posture.
