@@ -9,22 +9,19 @@ use ademan::time::Timestamp;
 
 use crate::steady_state::allocations;
 use crate::support::body::{ONE_KEY, Person, RATE_HZ, taps};
+use crate::support::wearer::load_layout;
 
 #[test]
 fn landmarks_are_processed_to_events_without_allocation() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let layout = folder.path().join("one-key.ron");
-    std::fs::write(&layout, ONE_KEY).expect("a layout");
     let setup = Setup {
         source: Some(
             "file:body?protocol=body-landmarks"
                 .parse()
                 .expect("a source"),
         ),
-        layout: layout.display().to_string(),
         ..Setup::default()
     };
-    let mut pipeline = setup.load_files().expect("a valid setup").pipeline();
+    let mut pipeline = load_layout(ONE_KEY, setup).pipeline();
     let mut frames = taps(&[Side::Right]);
     let mut hidden = Person::new();
     hidden.confidences = [0.1; Side::COUNT];

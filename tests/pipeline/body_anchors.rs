@@ -12,9 +12,10 @@ use ademan::setup::{LoadedSetup, Setup};
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
-use crate::camera::{Camera, images, load};
+use crate::camera::{Camera, images};
 use crate::recorded_landmarks::recording;
 use crate::support::checked::CheckedPipeline;
+use crate::support::wearer::load_layout;
 
 /// The ears and the hips of a body.
 const EARS: [usize; 2] = [7, 8];
@@ -32,7 +33,7 @@ fn setup(anchor: &str, place: &str, source: Option<&str>) -> LoadedSetup {
         source: source.map(|source| source.parse().expect("a source")),
         ..Setup::default()
     };
-    load(&board, setup)
+    load_layout(&board, setup)
 }
 
 /// A person who is seen as a whole, in the frame of the right shoulder: X to the right, Y up, Z backwards.
@@ -304,7 +305,7 @@ fn a_box_at_the_elbow_that_a_webcam_sees_needs_no_other_anchor() {
             source: Some("stdin:?protocol=hand-landmarks".parse().expect("a source")),
             ..Setup::default()
         };
-        let loaded = load(&text, written);
+        let loaded = load_layout(&text, written);
         let found = loaded.unmeasured_elbow(&loaded.layout);
         assert_eq!(found.is_some(), is_hidden, "{forward_mm}: {found:?}");
     }

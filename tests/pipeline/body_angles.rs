@@ -14,6 +14,7 @@ use serde_json::Value;
 
 use crate::recorded_landmarks::recording;
 use crate::support::checked::CheckedPipeline;
+use crate::support::wearer::load_layout;
 
 /// Landmarks of the left side that have one on the right side.
 const PAIRS: [(usize, usize); 16] = [
@@ -204,9 +205,6 @@ const SQUAT: &str = r#"Layout(name: "Squat", triggers: [
 
 /// Plays frames at 5 Hz and returns presses and releases with the number of the frame.
 fn play(frames: &[BodyLandmarks], hands: &[Side]) -> Vec<String> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let layout = folder.path().join("squat.ron");
-    std::fs::write(&layout, SQUAT).expect("a layout");
     let setup = Setup {
         source: Some(
             "file:body?protocol=body-landmarks"
@@ -214,12 +212,11 @@ fn play(frames: &[BodyLandmarks], hands: &[Side]) -> Vec<String> {
                 .expect("a source"),
         ),
         other_hand: (hands.len() == 2).then(OtherHand::default),
-        layout: layout.to_str().expect("UTF-8").into(),
         stall_timeout_ms: 1_000,
         arm_immediately: true,
         ..Setup::default()
     };
-    let mut pipeline = CheckedPipeline::new(&setup.load_files().expect("a setup"));
+    let mut pipeline = CheckedPipeline::new(&load_layout(SQUAT, setup));
     let mut keys = Vec::new();
     for (number, body) in frames.iter().enumerate() {
         let time = Timestamp::from_seconds(1.0 + number as f64 / 5.0);

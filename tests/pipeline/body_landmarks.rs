@@ -12,6 +12,7 @@ use parry3d::math::Vec3;
 
 use crate::support::body::{Person, RATE_HZ, TWO_KEYS};
 use crate::support::checked::CheckedPipeline;
+use crate::support::wearer::load_layout;
 
 /// The time for which an arm that is not seen keeps its keys, in frames of the camera.
 const HELD_FRAMES: usize = 3;
@@ -26,9 +27,6 @@ struct Camera {
 impl Camera {
     /// Creates a camera that sees both hands above their keys, with armed output.
     fn new() -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let layout = folder.path().join("two-keys.ron");
-        std::fs::write(&layout, TWO_KEYS).expect("a layout");
         let setup = Setup {
             source: Some(
                 "file:body?protocol=body-landmarks"
@@ -36,10 +34,9 @@ impl Camera {
                     .expect("a source"),
             ),
             other_hand: Some(OtherHand::default()),
-            layout: layout.display().to_string(),
             ..Setup::default()
         };
-        let setup = setup.load_files().expect("a valid setup");
+        let setup = load_layout(TWO_KEYS, setup);
         let mut camera = Self {
             pipeline: CheckedPipeline::new(&setup),
             frames: 0,

@@ -3,7 +3,7 @@
 use ademan::capture::{Reading, Sample};
 use ademan::device::{EventKind, Events};
 use ademan::hand::{Finger, Joint, JointPositions, Side};
-use ademan::setup::{LoadedSetup, Setup};
+use ademan::setup::LoadedSetup;
 use ademan::time::Timestamp;
 use glam::DVec3;
 
@@ -59,16 +59,6 @@ impl Camera {
 pub fn images(seconds: f64) -> impl Iterator<Item = f64> {
     let count = (seconds * 1e6 / PERIOD_US as f64).round();
     (1..=count as u32).map(move |number| f64::from(number) / count)
-}
-
-/// Loads a setup whose layout has this text.
-pub fn load(text: &str, setup: Setup) -> LoadedSetup {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("layout.ron");
-    std::fs::write(&path, text).expect("a file");
-    let layout = path.display().to_string();
-    let setup = Setup { layout, ..setup };
-    setup.load_files().unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Returns a hand whose index fingertip is at `tip` and whose other fingers are bent by `bend` degrees at two joints.

@@ -1,7 +1,5 @@
 //! Two hands on one keyboard, and several layouts in one setup, through the whole pipeline.
 
-use std::fs;
-
 use ademan::command::CommandOrigin;
 use ademan::device::Events;
 use ademan::document::Document;
@@ -164,8 +162,6 @@ fn a_hand_beyond_the_rate_limit_touches_nothing_until_it_is_resumed_and_the_othe
 
 #[test]
 fn a_hold_of_a_pointer_source_is_not_typed_by_the_other_hand() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("holds.ron");
     let board = Document::shipped("qwerty-two-flat").expect("it is shipped");
     let row = "at_mm: (-42.75, -19), keys: \"N M Comma";
     assert!(board.text.contains(row));
@@ -175,18 +171,17 @@ fn a_hold_of_a_pointer_source_is_not_typed_by_the_other_hand() {
     let keys = "keys: [\n (code: \"N\", hold: (code: \"ControlRight\"), hold_after_ms: 250, at_mm: (-42.75, -19)),
                 (code: \"ShiftRight\"";
     let board = board.replace("keys: [\n                (code: \"ShiftRight\"", keys);
-    fs::write(&path, board).expect("room on the disk");
     let typed = |role| {
-        let mut wearer = Wearer::new(Setup {
+        let setup = Setup {
             source: Some("tcp:box:4001".parse().expect("a source")),
             role,
             other_hand: Some(OtherHand {
                 source: Some("serial:/dev/x".parse().expect("a source")),
                 ..OtherHand::default()
             }),
-            layout: path.display().to_string(),
             ..Setup::default()
-        });
+        };
+        let mut wearer = Wearer::with_layout(&board, setup);
         wearer.go(Side::Left, "F", false);
         wearer.go(Side::Right, "N", false);
         wearer.hold_still(400);

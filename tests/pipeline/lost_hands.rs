@@ -1,7 +1,5 @@
 //! The locks, one-shots and switched keys of a hand end when it is lost, and those that the other hand has set stay.
 
-use std::fs;
-
 use ademan::command::CommandOrigin;
 use ademan::hand::{HandPart, Side};
 use ademan::pipeline::{HandLoss, PipelineState};
@@ -45,14 +43,11 @@ const BOARDS: &str = r#"Layout(name: "boards", boards: [
 ], layers: [(name: "digits", keys: {"J": "1"})])"#;
 
 fn wearer(setup: Setup) -> Wearer {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("boards.ron");
-    fs::write(&path, BOARDS).expect("a layout");
-    let mut wearer = Wearer::new(Setup {
+    let setup = Setup {
         other_hand: Some(OtherHand::default()),
-        layout: path.display().to_string(),
         ..setup
-    });
+    };
+    let mut wearer = Wearer::with_layout(BOARDS, setup);
     wearer.go(Side::Left, "F", false);
     wearer.go(Side::Right, "J", false);
     wearer.hold_still(400);

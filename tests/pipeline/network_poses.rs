@@ -11,6 +11,7 @@ use ademan::sim::UsTextField;
 use ademan::time::Timestamp;
 
 use crate::support::source::{TYPING_RATE_HZ, typing_estimates};
+use crate::support::wearer::load_layout;
 
 fn setup(source: &str) -> Setup {
     Setup {
@@ -87,12 +88,8 @@ fn key_below_the_finger() -> String {
 
 #[test]
 fn a_tracked_wrist_presses_the_key_below_its_index_finger_once() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("key.ron");
-    std::fs::write(&path, key_below_the_finger()).expect("a layout");
-    let mut setup = setup("udp:127.0.0.1:4242?protocol=opentrack");
-    setup.layout = path.display().to_string();
-    let mut pipeline = setup.load_files().expect("a valid setup").pipeline();
+    let setup = setup("udp:127.0.0.1:4242?protocol=opentrack");
+    let mut pipeline = load_layout(&key_below_the_finger(), setup).pipeline();
     let mut decoder = opentrack::decoder(Joint::Wrist);
     let (mut events, mut transcript) = (Events::new(), Vec::new());
     let still = std::iter::repeat_n(0.0, 60);
@@ -148,12 +145,8 @@ fn a_displacement_turns_the_hand_about_its_joint_and_leaves_the_elbow() {
 
 #[test]
 fn an_inertial_sensor_on_the_hand_lowers_the_fingertip_on_a_key_and_raises_it() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("key.ron");
-    std::fs::write(&path, key_below_the_finger()).expect("a layout");
-    let mut setup = setup("serial:/dev/ttyUSB0?protocol=imu");
-    setup.layout = path.display().to_string();
-    let mut pipeline = setup.load_files().expect("a valid setup").pipeline();
+    let setup = setup("serial:/dev/ttyUSB0?protocol=imu");
+    let mut pipeline = load_layout(&key_below_the_finger(), setup).pipeline();
     let mut decoder = imu::decoder(&ProtocolOptions::default());
     let (mut events, mut transcript) = (Events::new(), Vec::new());
     // The fingers fall by up to 12° about the axis to the left, which moves the fingertip down by more than the gap.

@@ -8,7 +8,8 @@ use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use glam::DVec3;
 
-use crate::camera::{Camera, hand, images, load};
+use crate::camera::{Camera, hand, images};
+use crate::support::wearer::load_layout;
 
 /// A key 40 mm above the left wrist.
 const BOARD: &str = r#"Layout(name: "watch", boards: [(
@@ -31,7 +32,7 @@ fn setup(has_camera: bool, other_hand: Option<OtherHand>) -> LoadedSetup {
         other_hand,
         ..Setup::default()
     };
-    load(BOARD, setup)
+    load_layout(BOARD, setup)
 }
 
 /// A person whose hands a camera sees.
@@ -217,7 +218,7 @@ fn a_simulated_person_is_measured_in_one_room_unless_a_protocol_is_of_a_glove() 
             other_hand: Some(OtherHand::default()),
             ..Setup::default()
         };
-        let setup = load(BOARD, setup);
+        let setup = load_layout(BOARD, setup);
         let missing = setup.missing_other_hand(&setup.layout);
         assert_eq!(missing.is_some(), is_missing, "{source}: {missing:?}");
     }

@@ -10,7 +10,8 @@ use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use glam::DVec3;
 
-use crate::camera::{Camera, hand, images, load};
+use crate::camera::{Camera, hand, images};
+use crate::support::wearer::load_layout;
 
 const PLACE: DVec3 = DVec3::new(0.05, 0.02, 0.45);
 
@@ -47,7 +48,7 @@ struct Person {
 impl Person {
     /// Returns a person in front of a layout with this text.
     fn with_layout(layout: &str) -> Self {
-        Self::new(&load(layout, setup()))
+        Self::new(&load_layout(layout, setup()))
     }
 
     /// Returns a person in front of a layout that comes with the program.
@@ -341,7 +342,7 @@ fn each_of_two_hands_places_its_own_board_and_presses_only_that() {
         other_hand: Some(OtherHand::default()),
         ..setup()
     };
-    let mut person = Person::new(&load(TWO_BOARDS, both));
+    let mut person = Person::new(&load_layout(TWO_BOARDS, both));
     let far = PLACE - DVec3::X * 0.3;
     // Its board is placed where it is held still.
     person.hold(2.0);

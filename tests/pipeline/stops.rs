@@ -1,8 +1,7 @@
 //! Stops caused by the hand: a gesture that pauses, and an arm that is no longer measured.
 
-use std::fs;
-
 use crate::support::checked::CheckedPipeline;
+use crate::support::wearer::load_layout;
 use crate::wearer::channels;
 use ademan::capture::{Channels, Reading, Sample};
 use ademan::command::Command;
@@ -76,16 +75,12 @@ impl TwoHands {
         let board = Document::shipped("qwerty-two-flat").expect("it is shipped");
         let with_gesture = format!("{GESTURE}\n    boards: [\n");
         let board = board.text.replacen("boards: [\n", &with_gesture, 1);
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("stop.ron");
-        fs::write(&path, board).expect("room on the disk");
         let setup = Setup {
             other_hand: Some(OtherHand::default()),
-            layout: path.display().to_string(),
             smoothing: SmoothingSetup::Off,
             ..Setup::default()
         };
-        let setup = setup.load_files().expect("a setup");
+        let setup = load_layout(&board, setup);
         let mut hands = Self {
             pipeline: CheckedPipeline::new(&setup),
             angles: Side::ALL

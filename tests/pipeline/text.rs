@@ -10,6 +10,7 @@ use ademan::sim::UsTextField;
 use ademan::text::{TextModeSetup, TextSetup};
 
 use crate::support::checked::CheckedPipeline;
+use crate::support::wearer::load_layout;
 
 fn setup(text: Option<TextModeSetup>) -> LoadedSetup {
     let setup = Setup {
@@ -177,8 +178,6 @@ fn a_key_without_a_candidate_brings_no_space() {
 /// Performs a script with a left hand that types and a right hand that only points. Returns the text, the keys that were suppressed,
 /// and the mode at the end.
 fn performs_beside_a_pointer(script: &str) -> (String, u64, TextMode) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("two.ron");
     let mut layout = Document::shipped("qwerty-two-flat").unwrap().text;
     for (side, first) in [("left", "Escape"), ("right", "ShiftRight")] {
         let first = format!("(code: \"{first}\"");
@@ -188,10 +187,8 @@ fn performs_beside_a_pointer(script: &str) -> (String, u64, TextMode) {
         );
         layout = layout.replacen(&first, &(keys + &first), 1);
     }
-    std::fs::write(&path, layout).unwrap();
     let source = |text: &str| Some(text.parse().expect("a source"));
     let setup = Setup {
-        layout: path.display().to_string(),
         source: source("serial:/dev/right"),
         role: Some(SourceRole::Pointer),
         other_hand: Some(OtherHand {
@@ -200,7 +197,7 @@ fn performs_beside_a_pointer(script: &str) -> (String, u64, TextMode) {
         }),
         ..setup(Some(TextModeSetup::Suggest)).setup
     };
-    let setup = setup.load_files().expect("a layout");
+    let setup = load_layout(&layout, setup);
     let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
     let mut end = (0, TextMode::Literal);
     let typed = play(&setup, hand.expect("a script"), |_, pipeline, _| {
@@ -353,20 +350,16 @@ fn a_language_or_letters_that_are_missing_leave_keys_as_they_are() {
 
 #[test]
 fn a_multitap_key_replaces_its_letter_and_takes_no_correction_back() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("signs.ron");
     let layout = Document::shipped("qwerty-flat").unwrap().text;
     let key = "keys: [(action: Multitap(\"Period Comma\"), name: \"signs\", at_mm: (0, 60)),";
-    std::fs::write(&path, layout.replacen("keys: [", key, 1)).unwrap();
     let setup = Setup {
-        layout: path.display().to_string(),
         text: Some(TextSetup {
             mode: TextModeSetup::Auto,
             ..TextSetup::default()
         }),
         ..Setup::default()
     };
-    let setup = setup.load_files().expect("a layout");
+    let setup = load_layout(&layout.replacen("keys: [", key, 1), setup);
     let script = "tap T; tap E; tap H; tap signs; tap signs; tap Space";
     let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
     let typed = play(&setup, hand.expect("a script"), |_, _, _| {});

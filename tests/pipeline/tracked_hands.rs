@@ -10,6 +10,7 @@ use ademan::time::Timestamp;
 use glam::DVec3;
 
 use crate::support::checked::CheckedPipeline;
+use crate::support::wearer::load_layout;
 
 /// A layout with F below the left index finger and J below the right one, in front of a camera at the head.
 const TWO_KEYS: &str = r#"Layout(name: "Two keys", boards: [
@@ -52,17 +53,13 @@ struct Tracker {
     keys: Vec<String>,
 }
 
-fn setup(source: &str, layout_text: &str, other_hand: Option<OtherHand>) -> LoadedSetup {
-    let folder = tempfile::tempdir().expect("a folder");
-    let layout = folder.path().join("two-keys.ron");
-    std::fs::write(&layout, layout_text).expect("a layout");
+fn setup(source: &str, layout: &str, other_hand: Option<OtherHand>) -> LoadedSetup {
     let setup = Setup {
         source: Some(source.parse().expect("a source")),
         other_hand,
-        layout: layout.display().to_string(),
         ..Setup::default()
     };
-    setup.load_files().expect("a valid setup")
+    load_layout(layout, setup)
 }
 
 impl Tracker {

@@ -1,7 +1,5 @@
 //! Two hands of which one may only point, or only type: each press is judged by the hand that causes it.
 
-use std::fs;
-
 use ademan::hand::Side;
 use ademan::pipeline::{PipelineState, SourceRole};
 use ademan::setup::{OtherHand, Setup};
@@ -37,10 +35,7 @@ fn boards() -> String {
 
 /// Returns a wearer whose left hand sends first in each step.
 fn wearer(left: SourceRole, right: SourceRole) -> Wearer {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("roles.ron");
-    fs::write(&path, boards()).expect("a layout");
-    let mut wearer = Wearer::new(Setup {
+    let setup = Setup {
         source: Some("serial:/dev/right".parse().expect("a source")),
         role: Some(right),
         other_hand: Some(OtherHand {
@@ -48,9 +43,9 @@ fn wearer(left: SourceRole, right: SourceRole) -> Wearer {
             role: Some(left),
             ..OtherHand::default()
         }),
-        layout: path.display().to_string(),
         ..Setup::default()
-    });
+    };
+    let mut wearer = Wearer::with_layout(&boards(), setup);
     wearer.go(Side::Left, "left-w", false);
     wearer.go(Side::Right, "right-w", false);
     wearer.hold_still(400);

@@ -9,6 +9,7 @@ use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
 
 use crate::support::checked::CheckedPipeline;
+use crate::support::wearer::load_layout;
 
 /// A wearer of two gloves, each of which sends a reading every 10 ms.
 pub struct Wearer {
@@ -22,7 +23,15 @@ pub struct Wearer {
 
 impl Wearer {
     pub fn new(setup: Setup) -> Self {
-        let loaded = setup.load_files().expect("a setup");
+        Self::of(setup.load_files().expect("a setup"))
+    }
+
+    /// Creates a wearer whose layout has this text.
+    pub fn with_layout(text: &str, setup: Setup) -> Self {
+        Self::of(load_layout(text, setup))
+    }
+
+    fn of(loaded: LoadedSetup) -> Self {
         Self {
             pipeline: CheckedPipeline::new(&loaded),
             loaded,

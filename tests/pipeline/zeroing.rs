@@ -13,6 +13,7 @@ use glam::DVec3;
 use crate::key_words::push_key_words;
 use crate::support::checked::CheckedPipeline;
 use crate::support::press::{Posture, Press, reading};
+use crate::support::wearer::load_layout;
 
 /// A glove whose channels are shifted by a number of counts, as it has slipped.
 struct Slipped {
@@ -27,14 +28,7 @@ struct Slipped {
 impl Slipped {
     /// Returns an armed hand at rest above the key H. Its glove knows the rest pose, and has not slipped yet.
     fn new(layout: &str) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("a.ron");
-        std::fs::write(&path, layout).expect("a file");
-        let setup = Setup {
-            layout: path.display().to_string(),
-            ..Setup::default()
-        };
-        let mut loaded = setup.load_files().expect("a setup");
+        let mut loaded = load_layout(layout, Setup::default());
         let mut hand = Self {
             pipeline: CheckedPipeline::new(&loaded),
             loaded: loaded.clone(),

@@ -12,6 +12,16 @@ use ademan::time::Timestamp;
 
 use super::press::{Posture, glove_format, reading};
 
+/// Loads a setup whose layout has this text.
+pub fn load_layout(text: &str, setup: Setup) -> LoadedSetup {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("layout.ron");
+    std::fs::write(&path, text).expect("a file");
+    let layout = path.display().to_string();
+    let setup = Setup { layout, ..setup };
+    setup.load_files().unwrap_or_else(|error| panic!("{error}"))
+}
+
 /// Loads the default setup.
 pub fn default_setup() -> LoadedSetup {
     Setup::default().load_files().expect("the default setup")

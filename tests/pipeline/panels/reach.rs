@@ -5,6 +5,7 @@ use ademan::layout::Layout;
 use ademan::setup::{ArmSetup, Setup};
 
 use crate::rig::Rig;
+use crate::support::wearer::load_layout;
 
 #[test]
 fn the_default_hand_reaches_everything_on_every_shipped_layout() {
@@ -21,17 +22,10 @@ fn the_default_hand_reaches_everything_on_every_shipped_layout() {
 
 #[test]
 fn both_ends_of_a_track_have_to_be_within_reach() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("long.ron");
     let workshop = Layout::load("workshop").unwrap().text;
     let long = workshop.replacen("length_mm: 70", "length_mm: 300", 1);
     assert_ne!(long, workshop);
-    std::fs::write(&path, long).unwrap();
-    let setup = Setup {
-        layout: path.to_str().unwrap().into(),
-        ..Setup::default()
-    };
-    let loaded = setup.load_files().unwrap();
+    let loaded = load_layout(&long, Setup::default());
     let out_of_reach = loaded.out_of_reach();
     let names: Vec<&str> = out_of_reach.iter().map(|(name, _)| *name).collect();
     assert_eq!(names, ["Lift"]);
@@ -68,17 +62,10 @@ fn the_shipped_media_panel_changes_the_volume_and_seeks() {
 
 #[test]
 fn a_target_in_space_beyond_every_fingertip_is_out_of_reach() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("far.ron");
     let space = Layout::load("space").unwrap().text;
     let far = space.replacen("(120, 0, -300)", "(120, 0, -900)", 1);
     assert_ne!(far, space);
-    std::fs::write(&path, far).unwrap();
-    let setup = Setup {
-        layout: path.to_str().unwrap().into(),
-        ..Setup::default()
-    };
-    let loaded = setup.load_files().unwrap();
+    let loaded = load_layout(&far, Setup::default());
     let out_of_reach = loaded.out_of_reach();
     assert_eq!(out_of_reach.len(), 1, "{out_of_reach:?}");
     let (name, metres) = out_of_reach[0];
