@@ -4,10 +4,10 @@ use std::io::{self, Write};
 
 use ademan::document::Table;
 use ademan::layout::field_tables;
-use ademan::message::escape_json;
 use ademan::names::UnknownName;
 
 use crate::failure::Failure;
+use crate::list::print_json;
 use crate::messages;
 
 /// Least width of the meanings beside the other columns, in characters.
@@ -37,14 +37,12 @@ pub fn print_tables(args: &Args, tables: Vec<Table>, command: &str) -> Result<()
         Some(word) => matching(tables, word, command)?,
         None => tables,
     };
-    let mut out = io::stdout().lock();
     if args.json {
-        let json = serde_json::to_string_pretty(&tables).map_err(io::Error::from)?;
-        return Ok(writeln!(out, "{}", escape_json(&json))?);
+        return print_json(&tables);
     }
     let columns = messages::output_columns().unwrap_or_default();
     let texts: Vec<String> = tables.iter().map(|table| text(table, columns)).collect();
-    Ok(out.write_all(texts.join("\n").as_bytes())?)
+    Ok(io::stdout().write_all(texts.join("\n").as_bytes())?)
 }
 
 /// Returns the structure with this name, or else the fields whose name contains the word.

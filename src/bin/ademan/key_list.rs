@@ -3,10 +3,11 @@
 use std::io::{self, Write};
 
 use ademan::device::{KeyCode, KeyKind};
-use ademan::message::{escape, escape_json};
+use ademan::message::escape;
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::list::print_json;
 
 /// Arguments of the list.
 #[derive(clap::Args)]
@@ -105,11 +106,10 @@ pub fn print(args: &Args) -> Result<(), Failure> {
             escape(word)
         )));
     }
-    let mut out = io::stdout().lock();
     if args.json {
-        let json = serde_json::to_string_pretty(&rows).map_err(io::Error::from)?;
-        return Ok(writeln!(out, "{}", escape_json(&json))?);
+        return print_json(&rows);
     }
+    let mut out = io::stdout().lock();
     writeln!(
         out,
         "{}",

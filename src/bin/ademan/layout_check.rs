@@ -5,13 +5,14 @@ use std::io::{self, Write};
 use ademan::document::{DocumentError, DocumentFault};
 use ademan::files::Load;
 use ademan::layout::{BoardOverlap, Layout};
-use ademan::message::{escape, escape_json};
+use ademan::message::escape;
 use ademan::pipeline::MAIN_PROFILE;
 use ademan::session::counted;
 use ademan::setup::{ArmSetup, ProfileSetup, Setup, SetupError};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
+use crate::list::print_json;
 use crate::setup_args::number_in;
 
 /// The largest number of controls that the simulated hand cannot press with a warning each.
@@ -44,8 +45,7 @@ pub fn check(
         }
     }
     if as_json {
-        let text = serde_json::to_string_pretty(&checked).map_err(io::Error::from)?;
-        writeln!(io::stdout(), "{}", escape_json(&text))?;
+        print_json(&checked)?;
     }
     match invalid {
         0 => Ok(()),

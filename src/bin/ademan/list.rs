@@ -32,14 +32,18 @@ pub struct ListArgs {
 impl ListArgs {
     /// Prints the rows: a table with the example below each row, or JSON.
     pub fn print(&self, rows: &[Row]) -> Result<(), Failure> {
-        let mut out = io::stdout().lock();
         if self.json {
-            let json = serde_json::to_string_pretty(rows).map_err(io::Error::from)?;
-            return Ok(writeln!(out, "{}", escape_json(&json))?);
+            return print_json(rows);
         }
         let columns = messages::output_columns().unwrap_or_default();
-        Ok(out.write_all(table(rows, columns).as_bytes())?)
+        Ok(io::stdout().write_all(table(rows, columns).as_bytes())?)
     }
+}
+
+/// Prints a value as JSON.
+pub fn print_json(value: &(impl Serialize + ?Sized)) -> Result<(), Failure> {
+    let json = serde_json::to_string_pretty(value).map_err(io::Error::from)?;
+    Ok(writeln!(io::stdout(), "{}", escape_json(&json))?)
 }
 
 /// Returns a line for each row, and one for its example. Summaries break between words within `columns`, 0 for no limit; an

@@ -1,16 +1,14 @@
 //! `ademan schema`: the JSON Schema of each file format, and files in the JSON form that it describes.
 
-use std::io::{self, Write};
-
 use ademan::document::{Document, FileKind, Table, json_form, json_schema};
 use ademan::files::OpenDocument;
 use ademan::layout::{arm_field_tables, field_tables, glove_field_tables, person_field_tables};
-use ademan::message::escape_json;
 use ademan::setup::{setup_field_tables, setup_json_schema};
 use ademan::text::learned_field_tables;
 use serde_json::Value;
 
 use crate::failure::Failure;
+use crate::list::print_json;
 
 /// Print the JSON Schema of a file format, or a file as JSON, for editors and programs
 #[derive(clap::Args)]
@@ -86,6 +84,5 @@ pub fn run(args: Args) -> Result<(), Failure> {
             })?
         }
     };
-    let json = serde_json::to_string_pretty(&value).map_err(io::Error::from)?;
-    Ok(writeln!(io::stdout().lock(), "{}", escape_json(&json))?)
+    print_json(&value)
 }
