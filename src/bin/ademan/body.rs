@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use ademan::capture::body::BodyLandmarks;
 use ademan::capture::markers::median;
 use ademan::estimate::t_pose::{BodyJoint, BodyPoint, BodyPoints, BodyRotations};
 use ademan::geometry::EulerOrder;
-use ademan::message::escape_line;
 use glam::{DMat3, DVec3};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -220,15 +219,10 @@ fn for_each_line(
             return Err(Failure::wrong_use(message));
         }
         for (number, text) in lines {
-            read(&text).map_err(|reason| at_line(file, number, &reason))?;
+            read(&text).map_err(|reason| poses::at_line(file, number, &reason))?;
         }
     }
     Ok(())
-}
-
-fn at_line(file: &Path, number: usize, reason: &str) -> Failure {
-    let (file, reason) = (poses::name(file), escape_line(reason));
-    Failure::wrong_use(format!("{file}:{number}: {reason}"))
 }
 
 impl AnglesLine {

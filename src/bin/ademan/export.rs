@@ -15,7 +15,7 @@ use ademan::trace::bvh::{self, PoseOptions};
 use crate::complete;
 use crate::failure::Failure;
 use crate::setup_args::{SetupArgs, number_in};
-use crate::{session, stats};
+use crate::{body, session, stats};
 
 /// Write the poses of one or both hands to a BVH file for animation programs, without typing
 #[derive(clap::Args)]
@@ -131,10 +131,7 @@ fn rate(text: &str) -> Result<f64, String> {
 }
 
 fn order(text: &str) -> Result<EulerOrder, String> {
-    let order: EulerOrder = text
-        .to_ascii_uppercase()
-        .parse()
-        .map_err(|error| format!("{error}"))?;
+    let order = body::order(text)?;
     if order.is_proper() {
         Err("a joint of a BVH file turns about three different axes".to_owned())
     } else {

@@ -2,11 +2,13 @@
 
 use std::fmt;
 use std::io;
+use std::path::Path;
 use std::process::ExitCode;
 
 use ademan::advice;
 use ademan::capture::CaptureError;
 use ademan::document::DocumentError;
+use ademan::message::escape_path;
 use ademan::network::NetworkError;
 use ademan::output::OutputError;
 use ademan::recorder::RecordError;
@@ -37,6 +39,16 @@ impl Failure {
     /// Creates the failure of a command whose arguments, file or device are unusable.
     pub fn wrong_use(message: impl Into<String>) -> Self {
         Self::new(anyhow::anyhow!(message.into()), USE)
+    }
+
+    /// Creates the failure of a file that cannot be read.
+    pub fn cannot_read(path: &Path, error: impl fmt::Display) -> Self {
+        Self::wrong_use(format!("cannot read {}: {error}", escape_path(path)))
+    }
+
+    /// Creates the failure of a file of the command line that cannot be written.
+    pub fn cannot_write(path: &Path, error: impl fmt::Display) -> Self {
+        Self::wrong_use(format!("cannot write {}: {error}", escape_path(path)))
     }
 
     /// Creates the failure of a damaged recording, of which everything before the damage was used.

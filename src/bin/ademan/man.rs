@@ -29,7 +29,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     let mut command = Cli::command().disable_help_subcommand(true);
     command.build();
-    fs::create_dir_all(&folder).map_err(|error| cannot_write(&folder, error))?;
+    fs::create_dir_all(&folder).map_err(|error| Failure::cannot_write(&folder, error))?;
     write_pages(&command, &folder)
 }
 
@@ -59,11 +59,7 @@ fn write_pages(command: &Command, folder: &Path) -> Result<(), Failure> {
     }
     man.render_version_section(&mut page)?;
     let path = folder.join(man.get_filename());
-    files::replace(&path, &page).map_err(|error| cannot_write(&path, error))
-}
-
-fn cannot_write(path: &Path, error: impl std::fmt::Display) -> Failure {
-    Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path)))
+    files::replace(&path, &page).map_err(|error| Failure::cannot_write(&path, error))
 }
 
 /// Writes the end of the help. Examples are indented lines, or follow `Example: `.

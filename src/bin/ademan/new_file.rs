@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::document::quote;
-use ademan::files::{self, FileError};
+use ademan::files;
 use ademan::message::{escape, escape_path, shell_word};
 
 use crate::failure::Failure;
@@ -50,7 +50,7 @@ pub fn check(path: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     let checked = files::check_absent(path).and_then(|()| files::check_destination(path));
-    checked.map_err(|error| cannot_write(path, &error))
+    checked.map_err(|error| Failure::cannot_write(path, error))
 }
 
 /// Creates a file. Fails if it exists. Writes the text to the standard output, `-`.
@@ -58,7 +58,7 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     if path == Path::new(STDOUT) {
         return Ok(io::stdout().write_all(text.as_bytes())?);
     }
-    files::write_new_text(path, text).map_err(|error| cannot_write(path, &error))
+    files::write_new_text(path, text).map_err(|error| Failure::cannot_write(path, error))
 }
 
 /// Says what a new file is, and the commands that use it. Says nothing of the standard output, `-`.
@@ -71,8 +71,4 @@ pub fn announce(path: &Path, original: &str, next: &str) -> Result<(), Failure> 
     writeln!(out, "wrote {shown}, {}", escape(original))?;
     let next = next.replace("FILE", &shell_word(&path.to_string_lossy()));
     Ok(writeln!(out, "edit it, then: {next}")?)
-}
-
-fn cannot_write(path: &Path, error: &FileError) -> Failure {
-    Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path)))
 }

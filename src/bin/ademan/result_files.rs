@@ -18,8 +18,7 @@ pub fn check(written: &[&Path], read: &[PathBuf]) -> Result<(), Failure> {
             ));
         }
         check_folder(path)?;
-        files::check_destination(path)
-            .map_err(|error| Failure::wrong_use(format!("cannot write {name}: {error}")))?;
+        files::check_destination(path).map_err(|error| Failure::cannot_write(path, error))?;
         if read.iter().any(|it| is_same_file(path, it)) {
             return Err(Failure::wrong_use(format!(
                 "{name} is read by this command and is not overwritten; name another file"

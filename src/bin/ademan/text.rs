@@ -8,7 +8,7 @@ use ademan::document::DocumentError;
 use ademan::files::{self, Load};
 use ademan::layout::Layout;
 use ademan::message::{escape, escape_path};
-use ademan_text::build::{Builder, LineError, held_out};
+use ademan_text::build::{Builder, held_out};
 use ademan_text::{Decoder, Key, Keyboard, Model, Options, Prior, Tap, TouchModel, languages};
 
 use crate::failure::Failure;
@@ -75,21 +75,15 @@ pub fn run(args: Args) -> Result<(), Failure> {
 
 fn read(path: &Path) -> Result<String, Failure> {
     let text = files::open_regular(path).and_then(|file| Ok(io::read_to_string(file)?));
-    text.map_err(|error| Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path))))
+    text.map_err(|error| Failure::cannot_read(path, error))
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     let read = files::open_regular(path)
         .and_then(|mut file| Ok(file.read_to_end(&mut bytes).map(drop)?));
-    read.map_err(|error| {
-        Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path)))
-    })?;
+    read.map_err(|error| Failure::cannot_read(path, error))?;
     Ok(bytes)
-}
-
-fn wrong_line(path: &Path, error: LineError) -> Failure {
-    Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path)))
 }
 
 fn build(
@@ -103,11 +97,11 @@ fn build(
     let mut builder = Builder::new();
     for path in words {
         let added = builder.words(&read(path)?);
-        added.map_err(|error| wrong_line(path, error))?;
+        added.map_err(|error| Failure::cannot_read(path, error))?;
     }
     for path in arpa {
         let added = builder.arpa(&read(path)?);
-        added.map_err(|error| wrong_line(path, error))?;
+        added.map_err(|error| Failure::cannot_read(path, error))?;
     }
     for path in texts {
         let text = read(path)?;
@@ -119,10 +113,7 @@ fn build(
     let bytes = builder
         .build()
         .map_err(|error| Failure::wrong_use(format!("cannot build a model: {error}")))?;
-    let cannot_write = |error: String| {
-        Failure::wrong_use(format!("cannot write {}: {error}", escape_path(output)))
-    };
-    files::replace(output, &bytes).map_err(|error| cannot_write(error.to_string()))?;
+    files::replace(output, &bytes).map_err(|error| Failure::cannot_write(output, error))?;
     let model = Model::from_bytes(&bytes)
         .map_err(|error| Failure::job(format!("the model cannot be read: {error}")))?;
     Ok(writeln!(

@@ -43,15 +43,9 @@ pub fn name(path: &Path) -> Cow<'_, str> {
 
 /// Reads the poses of a file, `-` for standard input.
 pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure> {
-    let read_line = |number: usize, text: &str| {
-        let pose = parse(text, image);
-        pose.map_err(|reason| {
-            Failure::wrong_use(format!("{}:{number}: {}", name(path), escape_line(&reason)))
-        })
-    };
     let (mut poses, mut without_person) = (Vec::new(), 0);
     for (number, text) in lines(path)? {
-        match read_line(number, &text)? {
+        match parse(&text, image).map_err(|reason| at_line(path, number, &reason))? {
             Some(pose) => poses.push(pose),
             None => without_person += 1,
         }
@@ -71,6 +65,12 @@ pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure>
     } else {
         Ok(poses)
     }
+}
+
+/// Returns the failure of a line of a file.
+pub fn at_line(path: &Path, number: usize, reason: &str) -> Failure {
+    let (name, reason) = (name(path), escape_line(reason));
+    Failure::wrong_use(format!("{name}:{number}: {reason}"))
 }
 
 /// Returns the lines of a file that are not blank, with their numbers. The poses of an array of NumPy are lines of JSON.

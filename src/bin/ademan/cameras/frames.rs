@@ -47,9 +47,7 @@ impl Frames {
         if !path.is_dir() {
             return Film::open(path, rate_hz).map(|film| Self::Film(Box::new(film)));
         }
-        let cannot_read = |error: std::io::Error| {
-            Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path)))
-        };
+        let cannot_read = |error: std::io::Error| Failure::cannot_read(path, error);
         let mut pictures = Vec::new();
         for entry in fs::read_dir(path).map_err(cannot_read)? {
             let picture = entry.map_err(cannot_read)?.path();
@@ -83,9 +81,7 @@ impl Frames {
 impl Film {
     fn open(path: &Path, rate_hz: Option<f64>) -> Result<Self, Failure> {
         // Also refuses devices and pipes.
-        files::open_regular(path).map_err(|error| {
-            Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path)))
-        })?;
+        files::open_regular(path).map_err(|error| Failure::cannot_read(path, error))?;
         let mut command = Command::new("ffmpeg");
         command
             .args(["-nostdin", "-v", "error", "-i"])

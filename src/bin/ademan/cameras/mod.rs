@@ -332,19 +332,14 @@ fn frame(cameras: &[Camera], line: &Line) -> Frame {
 fn read_cameras(path: &Path) -> Result<Vec<Camera>, Failure> {
     let text = read_text(path)?;
     let file = CamerasFile::parse(&text, format(path)?);
-    let file = file.map_err(|error| {
-        let reason = error.to_string();
-        Failure::wrong_use(format!("{}: {}", escape_path(path), escape_line(&reason)))
-    })?;
+    let file = file.map_err(|error| invalid(path, &error.to_string()))?;
     Ok(file.cameras())
 }
 
 fn read_points(path: &Path) -> Result<BTreeMap<String, DVec3>, Failure> {
     let text = read_text(path)?;
-    let points: BTreeMap<String, (f64, f64, f64)> = ron::from_str(&text).map_err(|error| {
-        let reason = error.to_string();
-        Failure::wrong_use(format!("{}: {}", escape_path(path), escape_line(&reason)))
-    })?;
+    let points: BTreeMap<String, (f64, f64, f64)> =
+        ron::from_str(&text).map_err(|error| invalid(path, &error.to_string()))?;
     let places: BTreeMap<_, _> = points
         .into_iter()
         .map(|(label, place)| (label, DVec3::from(place)))
@@ -359,16 +354,19 @@ fn read_points(path: &Path) -> Result<BTreeMap<String, DVec3>, Failure> {
     }
 }
 
+fn invalid(path: &Path, reason: &str) -> Failure {
+    Failure::wrong_use(format!("{}: {}", escape_path(path), escape_line(reason)))
+}
+
 fn read_text(path: &Path) -> Result<String, Failure> {
-    let cannot_read =
-        |reason: String| Failure::wrong_use(format!("cannot read {}: {reason}", escape_path(path)));
-    let file = files::open_regular(path).map_err(|error| cannot_read(error.to_string()))?;
+    let file = files::open_regular(path).map_err(|error| Failure::cannot_read(path, error))?;
     let mut bytes = Vec::new();
     let read = file.take(MAX_BYTES).read_to_end(&mut bytes);
-    match read.map_err(|error| cannot_read(error.to_string()))? as u64 {
+    match read.map_err(|error| Failure::cannot_read(path, error))? as u64 {
         // The limit may cut a character.
-        MAX_BYTES => Err(cannot_read("it is longer than 1 MiB".to_owned())),
-        _ => String::from_utf8(bytes).map_err(|_| cannot_read("it is no text in UTF-8".to_owned())),
+        MAX_BYTES => Err(Failure::cannot_read(path, "it is longer than 1 MiB")),
+        _ => String::from_utf8(bytes)
+            .map_err(|_| Failure::cannot_read(path, "it is no text in UTF-8")),
     }
 }
 

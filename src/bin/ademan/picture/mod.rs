@@ -229,7 +229,7 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
             "cannot write {}: {error}; name a file in a folder that you can write to",
             escape_path(path)
         )),
-        error => Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path))),
+        error => Failure::cannot_write(path, error),
     })?;
     say!("wrote {}", escape_path(path));
     Ok(())
