@@ -150,10 +150,10 @@ impl Desktop {
     }
 
     /// Starts the thread and waits until it is connected.
-    fn start<C: Injector>(
+    fn start(
         watchdog: Option<&WatchdogSettings>,
         max_press_age: Duration,
-        mut connect: impl FnMut() -> Result<C, String> + Send + 'static,
+        mut connect: impl FnMut() -> Result<Box<dyn Injector>, String> + Send + 'static,
     ) -> Result<Self, OutputError> {
         let (requests, queue) = bounded(QUEUE);
         let (connected, connection) = bounded(1);
@@ -168,7 +168,7 @@ impl Desktop {
             .name("desktop output".into())
             .spawn(move || {
                 let _end = end;
-                let with_watchdog = |injector: C| {
+                let with_watchdog = |injector: Box<dyn Injector>| {
                     let start = |given| {
                         let target = injector.release_target();
                         WatchdogClient::start(given, target, on_release)

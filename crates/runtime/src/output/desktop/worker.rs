@@ -53,8 +53,8 @@ const ACTIVE_TIME: Duration = Duration::from_secs(1);
 const CHECK_INTERVAL: Duration = Duration::from_millis(400);
 
 /// The state of the thread: the pressed keys and the connection.
-pub struct Worker<'a, C> {
-    injector: C,
+pub struct Worker<'a> {
+    injector: Box<dyn Injector>,
     pressed: PressedKeys,
     /// The parts of a burst so far.
     burst: Vec<Stroke>,
@@ -76,10 +76,10 @@ struct Liveness {
     last_request: Instant,
 }
 
-impl<'a, C: Injector> Worker<'a, C> {
+impl<'a> Worker<'a> {
     /// Creates a worker with no key pressed. Every press and release is reported to the watchdog.
     pub fn new(
-        mut injector: C,
+        mut injector: Box<dyn Injector>,
         watchdog: Option<WatchdogClient>,
         mut direct: DirectAnswers,
         status: &'a WorkerStatus,
@@ -111,7 +111,7 @@ impl<'a, C: Injector> Worker<'a, C> {
     pub fn run(
         mut self,
         queue: &Receiver<WorkerRequest>,
-        connect: impl FnMut() -> Result<C, String>,
+        connect: impl FnMut() -> Result<Box<dyn Injector>, String>,
     ) {
         let mut watchdog_exited = self
             .watchdog
@@ -143,7 +143,7 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Releases every key, on a new connection if this one has failed: the display keeps a key pressed although the
     /// connection that pressed it is gone.
-    fn finish(&mut self, mut connect: impl FnMut() -> Result<C, String>) {
+    fn finish(&mut self, mut connect: impl FnMut() -> Result<Box<dyn Injector>, String>) {
         self.release_all();
         if !self.pressed.is_empty()
             && let Ok(injector) = connect()
@@ -182,13 +182,13 @@ impl<'a, C: Injector> Worker<'a, C> {
             return self.fail(&reason);
         }
         let is_other = self.focus.update_from_answer(self.injector.poll_focus());
-        self.status.update_field(is_other, &mut self.injector);
+        self.status.update_field(is_other, &mut *self.injector);
     }
 
     /// Updates the window that has the focus, and the generation of the field.
     fn follow_focus(&mut self, window: Option<WindowId>) {
         let is_other = self.focus.set(window);
-        self.status.update_field(is_other, &mut self.injector);
+        self.status.update_field(is_other, &mut *self.injector);
     }
 
     /// Sends a heartbeat every 50 ms, unless the loop hangs: then releases every key.

@@ -63,7 +63,7 @@ impl WorkerStatus {
 
     /// Begins another generation of the field if another window has the focus, as its text is another one, or if another device was
     /// pressed, which may change the text or the place in it.
-    pub fn update_field(&self, is_other_window: bool, injector: &mut impl Injector) {
+    pub fn update_field(&self, is_other_window: bool, injector: &mut dyn Injector) {
         let is_watched = self.needs_device_watch.load(Ordering::Relaxed);
         let is_changed = is_watched && injector.poll_foreign_press();
         if is_other_window || is_changed {

@@ -74,11 +74,11 @@ impl TestDisplay {
             if state.rejects_connections {
                 return Err("no room".into());
             }
-            Ok(Connection {
+            Ok(Box::new(Connection {
                 display: display.clone(),
                 index,
                 gate: gate_dropped.clone(),
-            })
+            }))
         });
         (sink.unwrap(), gate)
     }
