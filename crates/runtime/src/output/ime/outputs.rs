@@ -55,7 +55,7 @@ impl Outputs {
     /// Returns the output of keys.
     pub(super) fn keys(&self) -> &dyn Sink {
         match self {
-            Self::Bus { keys, .. } => keys,
+            Self::Bus { keys, .. } => &**keys,
             #[cfg(feature = "wayland")]
             Self::Compositor(desktop) => &**desktop,
         }
@@ -64,7 +64,7 @@ impl Outputs {
     /// Returns the output of keys.
     pub(super) fn keys_mut(&mut self) -> &mut dyn Sink {
         match self {
-            Self::Bus { keys, .. } => keys,
+            Self::Bus { keys, .. } => &mut **keys,
             #[cfg(feature = "wayland")]
             Self::Compositor(desktop) => &mut **desktop,
         }
