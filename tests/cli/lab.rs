@@ -143,46 +143,20 @@ fn a_changed_comparison_is_not_verified() {
 
 #[test]
 fn two_layouts_are_compared_with_the_same_people() {
-    let ended = run([
-        "lab",
-        "compare",
-        "qwerty-flat",
-        "qwerty-flat-22",
-        "--people",
-        "6",
-        "--count",
-        "2",
-    ])
-    .done();
+    let line = "lab compare qwerty-flat qwerty-flat-22 --people 6 --count 2";
+    let ended = run(line.split(' ')).done();
     assert!(
         ended.out.contains("qwerty-flat-22 minus qwerty-flat"),
         "{}",
         ended.out
     );
     assert!(ended.out.contains("hands up to"), "{}", ended.out);
-    let compared = run([
-        "lab",
-        "compare",
-        "qwerty-flat",
-        "qwerty-flat",
-        "--people",
-        "3",
-        "--count",
-        "1",
-    ])
-    .done();
+    let same = "lab compare qwerty-flat qwerty-flat --people 3 --count 1";
+    let compared = run(same.split(' ')).done();
     let verdict = "is not clearly faster or slower and makes not clearly more or fewer errors";
     assert!(compared.out.contains(verdict), "{}", compared.out);
-    let compared_tasks = run([
-        "lab",
-        "compare",
-        "qwerty-flat",
-        "workshop",
-        "--people",
-        "1",
-        "--count",
-        "1",
-    ]);
+    let tasks = "lab compare qwerty-flat workshop --people 1 --count 1";
+    let compared_tasks = run(tasks.split(' '));
     assert_eq!(compared_tasks.code, Some(2), "{}", compared_tasks.err);
     assert!(
         compared_tasks.err.contains("scored by tasks"),

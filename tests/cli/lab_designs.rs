@@ -251,20 +251,9 @@ fn row(out: &str, name: &str) -> [f64; 3] {
 #[test]
 fn the_decoder_is_better_than_other_readings_of_the_same_taps() {
     for (tier, limit) in [("T1", 3.0), ("T2", 8.0)] {
-        let ended = run([
-            "lab",
-            "score",
-            "qwerty-flat",
-            "--tier",
-            tier,
-            "--people",
-            "4",
-            "--count",
-            "6",
-            "--decoder",
-            "auto",
-        ])
-        .done();
+        let line =
+            format!("lab score qwerty-flat --tier {tier} --people 4 --count 6 --decoder auto");
+        let ended = run(line.split(' ')).done();
         let out = &ended.out;
         println!("{out}");
         let [decoded, ..] = row(out, "decoder  ");
@@ -283,15 +272,8 @@ fn the_decoder_is_better_than_other_readings_of_the_same_taps() {
         let [strokes, ..] = row(out, "nearest key of the strokes");
         assert!((taps - strokes).abs() <= 0.06, "one figure twice: {out}");
     }
-    let ended = run([
-        "lab",
-        "score",
-        "chords-bend",
-        "--people",
-        "1",
-        "--decoder",
-        "auto",
-    ]);
+    let chords = "lab score chords-bend --people 1 --decoder auto";
+    let ended = run(chords.split(' '));
     assert_ne!(ended.code, Some(0));
     let advice = "ten keys of letters; use --decoder off";
     assert!(ended.err.contains(advice), "{}", ended.err);
@@ -308,20 +290,8 @@ fn the_decoder_is_better_than_other_readings_of_the_same_taps() {
 
 #[test]
 fn a_phone_pad_is_typed_with_one_tap_a_letter_that_the_decoder_finds() {
-    let ended = run([
-        "lab",
-        "score",
-        "phone-words",
-        "--tier",
-        "T0",
-        "--people",
-        "2",
-        "--count",
-        "3",
-        "--decoder",
-        "auto",
-    ])
-    .done();
+    let line = "lab score phone-words --tier T0 --people 2 --count 3 --decoder auto";
+    let ended = run(line.split(' ')).done();
     let out = &ended.out;
     println!("{out}");
     let [decoded, ..] = row(out, "decoder  ");
@@ -335,20 +305,10 @@ fn a_phone_pad_is_typed_with_one_tap_a_letter_that_the_decoder_finds() {
 #[test]
 fn people_who_correct_leave_fewer_errors_and_press_more_keys() {
     let scored = |corrections: &str| {
-        let ended = run([
-            "lab",
-            "score",
-            "qwerty-flat",
-            "--tier",
-            "T1",
-            "--people",
-            "4",
-            "--count",
-            "3",
-            "--corrections",
-            corrections,
-        ])
-        .done();
+        let line = format!(
+            "lab score qwerty-flat --tier T1 --people 4 --count 3 --corrections {corrections}"
+        );
+        let ended = run(line.split(' ')).done();
         let [errors, ..] = row(&ended.out, "wrong characters (CER), %");
         let [keys, ..] = row(&ended.out, "keystrokes per character");
         (errors, keys)
