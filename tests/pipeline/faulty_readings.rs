@@ -29,6 +29,15 @@ fn with(posture: &Posture, channel: usize, count: u8) -> Posture {
     changed
 }
 
+/// Checks that a press types again, after a fault of a channel.
+fn assert_repaired(wearer: &mut GloveWearer, press: &Press, channel: usize) {
+    wearer.play(&[press.clear(); 300]);
+    wearer.play(&press.approach);
+    wearer.play(&press.lift);
+    let typed = wearer.take_events();
+    assert_eq!(typed, "down H, up H", "repaired: channel {channel}");
+}
+
 /// Returns the packets of a hand that plays a script.
 fn postures(loaded: &LoadedSetup, script: &str) -> Vec<Posture> {
     let typist = loaded.scripted(script, &glove_format(), 0.0, 0);
@@ -116,14 +125,7 @@ fn a_railed_sensor_releases_the_key_of_its_finger_and_the_others_keep_typing() {
             "down 8, up 8",
             "channel {channel} at {end}"
         );
-        wearer.play(&[h.clear(); 300]);
-        wearer.play(&h.approach);
-        wearer.play(&h.lift);
-        assert_eq!(
-            wearer.take_events(),
-            "down H, up H",
-            "repaired: channel {channel}"
-        );
+        assert_repaired(&mut wearer, &h, channel);
     }
 }
 
@@ -297,14 +299,7 @@ fn a_loose_wire_types_nothing_and_the_other_fingers_type() {
             );
             of_others += 1;
         }
-        wearer.play(&[h.clear(); 300]);
-        wearer.play(&h.approach);
-        wearer.play(&h.lift);
-        assert_eq!(
-            wearer.take_events(),
-            "down H, up H",
-            "repaired: channel {channel}"
-        );
+        assert_repaired(&mut wearer, &h, channel);
         let repaired = wearer.pipeline.implausible()[Side::Right.index()];
         assert!(repaired.angles.is_empty(), "channel {channel}");
     }

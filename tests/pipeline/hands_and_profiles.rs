@@ -12,11 +12,12 @@ use ademan::time::Timestamp;
 
 use crate::wearer::Wearer;
 
-fn both_hands() -> Wearer {
+/// Returns a wearer of two gloves whose hands rest above F and J.
+fn both_hands(setup: Setup) -> Wearer {
     let mut wearer = Wearer::new(Setup {
-        other_hand: Some(OtherHand::default()),
+        other_hand: Some(setup.other_hand.unwrap_or_default()),
         layout: "qwerty-two-flat".into(),
-        ..Setup::default()
+        ..setup
     });
     wearer.go(Side::Left, "F", false);
     wearer.go(Side::Right, "J", false);
@@ -27,7 +28,7 @@ fn both_hands() -> Wearer {
 
 #[test]
 fn one_hand_holds_shift_while_the_other_types() {
-    let mut wearer = both_hands();
+    let mut wearer = both_hands(Setup::default());
     wearer.go(Side::Left, "ShiftLeft", false);
     wearer.hold_still(150);
     wearer.go(Side::Left, "ShiftLeft", true);
@@ -45,7 +46,7 @@ fn one_hand_holds_shift_while_the_other_types() {
 
 #[test]
 fn a_hand_touches_only_boards_for_its_side() {
-    let loaded = both_hands().loaded;
+    let loaded = both_hands(Setup::default()).loaded;
     let board_of = |key: &str| {
         let target = loaded.layout.key(key).expect("a key").face.target;
         loaded.layout.scene.target(target).expect("a target").0
@@ -63,7 +64,7 @@ fn a_hand_touches_only_boards_for_its_side() {
 
 #[test]
 fn a_missing_hand_releases_its_keys_and_the_other_one_continues() {
-    let mut wearer = both_hands();
+    let mut wearer = both_hands(Setup::default());
     wearer.go(Side::Left, "F", true);
     wearer.go(Side::Right, "J", true);
     wearer.hold_still(150);
@@ -97,7 +98,7 @@ fn a_missing_hand_releases_its_keys_and_the_other_one_continues() {
 
 #[test]
 fn one_hand_types_while_the_other_is_not_tracked() {
-    let mut wearer = both_hands();
+    let mut wearer = both_hands(Setup::default());
     wearer.shown[Side::Left.index()] = None;
     wearer.hold_still(1_000);
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
@@ -107,18 +108,14 @@ fn one_hand_types_while_the_other_is_not_tracked() {
 
 #[test]
 fn each_hand_has_the_role_of_its_source() {
-    let mut wearer = Wearer::new(Setup {
+    let mut wearer = both_hands(Setup {
         source: Some("tcp:box:4001".parse().expect("a source")),
         other_hand: Some(OtherHand {
             source: Some("serial:/dev/x".parse().expect("a source")),
             ..OtherHand::default()
         }),
-        layout: "qwerty-two-flat".into(),
         ..Setup::default()
     });
-    wearer.go(Side::Left, "F", false);
-    wearer.go(Side::Right, "J", false);
-    wearer.hold_still(400);
     wearer.tap(Side::Right, "J");
     wearer.tap(Side::Left, "F");
     wearer.tap(Side::Right, "K");
@@ -129,15 +126,10 @@ fn each_hand_has_the_role_of_its_source() {
 
 #[test]
 fn a_hand_beyond_the_rate_limit_touches_nothing_until_it_is_resumed_and_the_other_types() {
-    let mut wearer = Wearer::new(Setup {
+    let mut wearer = both_hands(Setup {
         max_presses_per_second: Some(2),
-        other_hand: Some(OtherHand::default()),
-        layout: "qwerty-two-flat".into(),
         ..Setup::default()
     });
-    wearer.go(Side::Left, "F", false);
-    wearer.go(Side::Right, "J", false);
-    wearer.hold_still(400);
     for _ in 0..3 {
         wearer.tap(Side::Left, "F");
     }
