@@ -120,7 +120,7 @@ impl<S: Source> Source for PacedSource<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::{Channels, Sample};
+    use crate::capture::Sample;
 
     /// Longest time for anything on a busy machine.
     const TIMEOUT: Duration = Duration::from_secs(60);
@@ -133,15 +133,10 @@ mod tests {
             if self.0.is_empty() {
                 return Ok(SourceEvent::End);
             }
-            Ok(SourceEvent::Reading(Reading::new(
-                Timestamp(self.0.remove(0) * 1000),
-                None,
-                Sample::Channels(Channels {
-                    full_scale: 255,
-                    counts: Default::default(),
-                    unsent: Default::default(),
-                }),
-            )))
+            let time = Timestamp(self.0.remove(0) * 1000);
+            let angles = Default::default();
+            let reading = Reading::new(time, None, Sample::Angles { angles });
+            Ok(SourceEvent::Reading(reading))
         }
 
         fn name(&self) -> &str {

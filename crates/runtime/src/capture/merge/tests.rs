@@ -2,7 +2,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::*;
-use crate::capture::{Channels, InvalidPacket, Sample};
+use crate::capture::{InvalidPacket, Sample};
 
 /// Longest wait on a busy machine.
 const TIMEOUT: Duration = Duration::from_secs(60);
@@ -15,15 +15,7 @@ impl Source for TimedSource {
         if self.1.is_empty() {
             return Ok(SourceEvent::End);
         }
-        Ok(SourceEvent::Reading(Reading::new(
-            Timestamp(self.1.remove(0)),
-            None,
-            Sample::Channels(Channels {
-                full_scale: 255,
-                counts: Default::default(),
-                unsent: Default::default(),
-            }),
-        )))
+        Ok(empty_reading(self.1.remove(0)))
     }
 
     fn name(&self) -> &str {

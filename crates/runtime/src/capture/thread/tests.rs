@@ -8,7 +8,7 @@ use crate::capture::event::NOISE_INTERVAL;
 use crate::capture::event_queue::QUEUE_CAPACITY;
 #[cfg(target_os = "linux")]
 use crate::capture::suspend::SuspendDetector;
-use crate::capture::{Channels, Reading, Sample, SourceEvent, SourceStats};
+use crate::capture::{Reading, Sample, SourceEvent, SourceStats};
 use crate::output::tests::wait_until;
 use ademan_core::command::Command;
 use ademan_core::time::Timestamp;
@@ -16,15 +16,9 @@ use ademan_core::time::Timestamp;
 const TIMEOUT: Duration = Duration::from_secs(60);
 
 fn reading(number: u64) -> SourceEvent {
-    SourceEvent::Reading(Reading::new(
-        Timestamp(number),
-        None,
-        Sample::Channels(Channels {
-            full_scale: 255,
-            counts: Default::default(),
-            unsent: Default::default(),
-        }),
-    ))
+    let angles = Default::default();
+    let reading = Reading::new(Timestamp(number), None, Sample::Angles { angles });
+    SourceEvent::Reading(reading)
 }
 
 fn lost() -> CaptureError {
