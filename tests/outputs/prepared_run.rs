@@ -7,6 +7,7 @@ use tempfile::TempDir;
 
 use crate::support::glove::Glove;
 use crate::support::press::Press;
+use crate::support::program::Program;
 #[cfg(any(feature = "tray", feature = "wayland"))]
 use crate::{
     support::x11::{wait_at_most, wait_for},
@@ -23,6 +24,14 @@ pub const FOCUS_SETUP: &str = "Setup(
 /// The message after which the profile does not follow the focus.
 pub const PROFILE_STAYS: &str =
     "the active profile stays, as `profiles_by_application` has no effect: ";
+
+/// Ends a program in order, and checks that it has said once why the profile stays.
+pub fn end_where_the_profile_stays(program: &mut Program) {
+    program.signal(&["TERM"]);
+    assert_eq!(program.wait_for_exit().code(), Some(0));
+    let said = program.count_lines(PROFILE_STAYS);
+    assert_eq!(said, 1, "{:#?}", program.stderr_lines());
+}
 
 pub struct PreparedRun {
     pub glove: Glove,

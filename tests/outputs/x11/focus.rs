@@ -14,7 +14,7 @@ use x11rb::rust_connection::RustConnection;
 
 use super::ends::held_keys;
 use super::hold;
-use crate::prepared_run::{FOCUS_SETUP, PROFILE_STAYS, PreparedRun};
+use crate::prepared_run::{FOCUS_SETUP, PROFILE_STAYS, PreparedRun, end_where_the_profile_stays};
 use crate::support::key_log::KeyLog;
 use crate::support::process::Process;
 use crate::support::program::Program;
@@ -195,14 +195,7 @@ fn without_a_window_manager_the_profile_stays_and_the_reason_is_said_once() {
     program.wait_for_line(&format!("{PROFILE_STAYS}no window manager tells"), 1);
     program.wait_for_line("armed", 1);
     hold(&server, &program, &run.glove, &run.press, &held_keys());
-    program.signal(&["TERM"]);
-    assert_eq!(program.wait_for_exit().code(), Some(0));
-    assert_eq!(
-        program.count_lines(PROFILE_STAYS),
-        1,
-        "{:#?}",
-        program.stderr_lines()
-    );
+    end_where_the_profile_stays(&mut program);
 }
 
 #[test]
@@ -225,12 +218,5 @@ fn a_run_goes_on_with_its_profile_when_the_desktop_ends() {
     let state = request(control, r#"{"command":"state"}"#);
     assert_eq!(state["profile"], "code");
     assert_eq!(state.get("application"), None, "no rule is known to hold");
-    program.signal(&["TERM"]);
-    assert_eq!(program.wait_for_exit().code(), Some(0));
-    assert_eq!(
-        program.count_lines(PROFILE_STAYS),
-        1,
-        "{:#?}",
-        program.stderr_lines()
-    );
+    end_where_the_profile_stays(&mut program);
 }
