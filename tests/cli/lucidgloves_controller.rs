@@ -3,7 +3,6 @@
 //! The lines are written by the rule of the firmware, and not by our encoder.
 
 use std::io::Write;
-use std::process::Stdio;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
@@ -14,7 +13,7 @@ use serialport::{SerialPort, TTYPort};
 
 use crate::support::glove::pseudo_terminal;
 use crate::support::process::Process;
-use crate::support::run::{ARMED, TIMEOUT, line_receiver, next_event};
+use crate::support::run::{ARMED, TIMEOUT, next_event, start_with_lines};
 use crate::{ademan, file};
 
 /// The time between two lines.
@@ -95,10 +94,7 @@ impl Run {
         let name = port.name().expect("a name");
         let source = format!("serial:{name}?protocol=lucidgloves");
         let mut command = ademan(["run", &setup, "--source", &source]);
-        command.stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut program = Process::start(&mut command).expect("it starts");
-        let events = line_receiver(program.0.stdout.take().expect("it is piped"));
-        let messages = line_receiver(program.0.stderr.take().expect("it is piped"));
+        let (program, events, messages) = start_with_lines(&mut command);
         let run = Self {
             inputs,
             lines,

@@ -10,7 +10,7 @@ use ademan::time::Timestamp;
 
 use super::{ademan, file, run, text};
 use crate::support::process::Process;
-use crate::support::run::{ARMED, TIMEOUT, line_receiver, shipped};
+use crate::support::run::{ARMED, TIMEOUT, line_receiver, shipped, start_with_lines};
 
 const MIXER: &str = r#"Layout(name: "My mixer", boards: [(
     pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45),
@@ -45,10 +45,7 @@ fn a_text_is_right_although_the_board_moves_by_40_mm_while_it_is_typed() {
     let words = "The hand follows.";
     let source = format!("typist:{words}");
     let mut command = ademan(["run", "--layout", &path, "--source", &source]);
-    command.stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut program = Process::start(&mut command).expect("it starts");
-    let events = line_receiver(program.0.stdout.take().expect("it is piped"));
-    let messages = line_receiver(program.0.stderr.take().expect("it is piped"));
+    let (mut program, events, messages) = start_with_lines(&mut command);
     while messages.recv_timeout(TIMEOUT).expect("it is armed") != ARMED {}
     let mut lines = Vec::new();
     // 300 mm × 8° are 42 mm.

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::PathBuf;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -92,16 +92,12 @@ impl Run {
         command
             .args(arguments)
             .current_dir(folder.path())
-            .env_remove("XDG_RUNTIME_DIR")
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped());
-        let mut program = Process::start(&mut command).expect("it starts");
+            .env_remove("XDG_RUNTIME_DIR");
+        let (program, events, messages) = start_with_lines(&mut command);
         let (over, down) = postures();
         let posture = Arc::new(Mutex::new(over));
         let sent = posture.clone();
         thread::spawn(move || send(&listener, &sent));
-        let events = line_receiver(program.0.stdout.take().expect("it is piped"));
-        let messages = line_receiver(program.0.stderr.take().expect("it is piped"));
         Self {
             program,
             posture,
@@ -196,6 +192,15 @@ pub fn next_event(transcript: &Receiver<String>) -> String {
     let line = line.expect("an event");
     let words: Vec<&str> = line.split_whitespace().skip(1).collect();
     words.join(" ")
+}
+
+/// Starts a program. Returns it with the lines of its standard output and of its standard error.
+pub fn start_with_lines(command: &mut Command) -> (Process, Receiver<String>, Receiver<String>) {
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut program = Process::start(command).expect("the program starts");
+    let lines = line_receiver(program.0.stdout.take().expect("it is piped"));
+    let messages = line_receiver(program.0.stderr.take().expect("it is piped"));
+    (program, lines, messages)
 }
 
 /// Reads the lines of a stream in a thread of its own.

@@ -14,7 +14,7 @@ use tempfile::TempDir;
 use crate::support::binary::ademan;
 use crate::support::press::{Posture, glove_format};
 use crate::support::process::{Process, lock_spawning};
-use crate::support::run::{TIMEOUT, line_receiver, next_event};
+use crate::support::run::{TIMEOUT, next_event, start_with_lines};
 use crate::support::wearer::packets;
 
 /// A pseudo-terminal. The program sees it by a link, because the system reuses device names.
@@ -84,12 +84,8 @@ impl SerialRun {
         command
             .args(arguments)
             .env_remove("XDG_RUNTIME_DIR")
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped());
-        let mut program = Process::start(&mut command).expect("the program starts");
-        let events = line_receiver(program.0.stdout.take().expect("a pipe"));
-        let messages = line_receiver(program.0.stderr.take().expect("a pipe"));
+            .stdin(Stdio::null());
+        let (program, events, messages) = start_with_lines(&mut command);
         let run = Self {
             program,
             events,

@@ -2,7 +2,6 @@
 
 mod glove;
 
-use std::process::Stdio;
 use std::thread;
 use std::time::Duration;
 
@@ -13,7 +12,7 @@ use tempfile::TempDir;
 
 use self::glove::{CARRIERS, Carrier, Glove};
 use crate::support::process::{Process, signal};
-use crate::support::run::{ARMED, TIMEOUT, line_receiver, next_event};
+use crate::support::run::{ARMED, TIMEOUT, next_event, start_with_lines};
 
 /// Keys at the fingertips of a half-bent hand.
 const LAYOUT: &str = r#"Layout(
@@ -61,12 +60,8 @@ impl Run {
         command
             .args(["--source", &glove.source])
             .args(arguments)
-            .current_dir(folder.path())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped());
-        let mut program = Process::start(&mut command).expect("it starts");
-        let events = line_receiver(program.0.stdout.take().expect("it is piped"));
-        let messages = line_receiver(program.0.stderr.take().expect("it is piped"));
+            .current_dir(folder.path());
+        let (program, events, messages) = start_with_lines(&mut command);
         let run = Self {
             program,
             glove,
