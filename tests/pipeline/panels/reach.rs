@@ -2,7 +2,7 @@
 
 use ademan::files::Load;
 use ademan::layout::Layout;
-use ademan::setup::{ArmSetup, Setup};
+use ademan::setup::{ArmSetup, LoadedSetup, Setup};
 
 use crate::rig::Rig;
 use crate::support::wearer::load_layout;
@@ -75,55 +75,40 @@ fn a_target_in_space_beyond_every_fingertip_is_out_of_reach() {
     );
 }
 
-/// Returns a copy of the default layout with another pose of its board.
-fn layout_with_pose(change: impl Fn(&str) -> String) -> (tempfile::TempDir, String) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("moved.ron");
+/// Returns the text of the default layout with another field of the pose of its board.
+fn layout_with(field: &str) -> String {
     let text = Layout::load("qwerty-flat").unwrap().text;
-    std::fs::write(&path, change(&text)).unwrap();
-    let path = path.to_str().unwrap().to_owned();
-    (folder, path)
+    text.replace("height_mm: -45", &format!("height_mm: -45, {field}"))
 }
 
-fn report(path: &str, arm: ArmSetup) -> Option<String> {
-    let setup = Setup {
-        layout: path.into(),
-        arm,
-        ..Setup::default()
-    };
-    let loaded = setup.load_files().unwrap();
-    loaded
-        .reach_report(&loaded.layout)
-        .map(|report| report.to_string())
+fn report(loaded: &LoadedSetup) -> Option<String> {
+    let report = loaded.reach_report(&loaded.layout);
+    report.map(|it| it.to_string())
 }
 
 #[test]
 fn the_measured_hand_of_the_readme_does_not_reach_space_on_a_board_without_fit() {
-    let arm = ArmSetup::Measured {
-        hand_length_mm: 189.0,
-        forearm_length_mm: 262.0,
-    };
-    let (_folder, path) =
-        layout_with_pose(|text| text.replace("height_mm: -45", "height_mm: -45, fit: Off"));
     let setup = Setup {
-        layout: path,
-        arm: arm.clone(),
+        arm: ArmSetup::Measured {
+            hand_length_mm: 189.0,
+            forearm_length_mm: 262.0,
+        },
         ..Setup::default()
     };
-    let loaded = setup.load_files().unwrap();
+    let loaded = load_layout(&layout_with("fit: Off"), setup.clone());
     let out_of_reach = loaded.out_of_reach();
     assert!(
         out_of_reach.iter().any(|(name, _)| *name == "Space"),
         "{out_of_reach:?}"
     );
-    assert_eq!(report("qwerty-flat", arm), None);
+    let fitted = setup.load_files().unwrap();
+    assert_eq!(report(&fitted), None);
 }
 
 #[test]
 fn a_board_that_is_too_large_is_to_be_scaled() {
-    let (_folder, path) =
-        layout_with_pose(|text| text.replace("height_mm: -45", "height_mm: -45, scale: 1.5"));
-    let found = report(&path, ArmSetup::default()).expect("keys out of reach");
+    let loaded = load_layout(&layout_with("scale: 1.5"), Setup::default());
+    let found = report(&loaded).expect("keys out of reach");
     assert!(
         found.contains(" controls out of reach, nearest first: `"),
         "{found}"
