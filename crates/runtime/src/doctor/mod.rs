@@ -30,6 +30,7 @@ use serde::Serialize;
 use crate::capture::SourceUri;
 use crate::output;
 use crate::setup::Setup;
+use ademan_core::names::named_enum;
 
 /// The permissions and services that a setup needs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -62,26 +63,15 @@ impl Requirements {
     }
 }
 
-/// The status of a permission or service.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CheckStatus {
-    /// The permission or service exists, and the user may use it.
-    Ok,
-    /// The permission or service does not exist, or the user may not use it.
-    Missing,
-    /// Unknown: only a use would show it.
-    Unknown,
-}
-
-impl CheckStatus {
-    /// Returns `ok`, `missing` or `unknown`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::Missing => "missing",
-            Self::Unknown => "unknown",
-        }
+named_enum! {
+    /// The status of a permission or service.
+    pub enum CheckStatus ("status") {
+        /// The permission or service exists, and the user may use it.
+        Ok = "ok",
+        /// The permission or service does not exist, or the user may not use it.
+        Missing = "missing",
+        /// Unknown: only a use would show it.
+        Unknown = "unknown",
     }
 }
 
