@@ -140,15 +140,21 @@ fn socket(browser: &mut Browser, url: &str, message: &str) -> Value {
     ))
 }
 
+/// Opens a browser, which trusts every certificate, and serves the page. `None` if the page is not built or no browser is installed.
+fn browser_and_server(open: impl FnOnce() -> Option<Browser>) -> Option<(Browser, Server)> {
+    let folder = folder()?;
+    let mut browser = open()?;
+    let server = Server::start(&folder);
+    let ignore = json!({"ignore": true});
+    browser.call("Security.setIgnoreCertificateErrors", ignore);
+    Some((browser, server))
+}
+
 #[test]
 fn the_page_types_into_the_program_once_keys_are_allowed_until_its_token_is_revoked() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = browser() else { return };
-    let server = Server::start(&folder);
-    browser.call(
-        "Security.setIgnoreCertificateErrors",
-        json!({"ignore": true}),
-    );
+    let Some((mut browser, server)) = browser_and_server(browser) else {
+        return;
+    };
     browser.call("Network.enable", json!({}));
     // A small picture is drawn more often.
     let size = json!({"width": 480, "height": 300, "deviceScaleFactor": 1, "mobile": false});
@@ -194,15 +200,9 @@ fn the_page_types_into_the_program_once_keys_are_allowed_until_its_token_is_revo
 
 #[test]
 fn a_client_without_the_token_or_of_another_page_is_refused() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, server)) = browser_and_server(Browser::start) else {
         return;
     };
-    let server = Server::start(&folder);
-    browser.call(
-        "Security.setIgnoreCertificateErrors",
-        json!({"ignore": true}),
-    );
     let token = server.link.rsplit('=').next().expect("a token").to_owned();
     let socket_url = format!("{}hands", server.page().replace("https", "wss"));
     let hello = |sent: &str| json!({"token": sent, "name": "Quest 3"}).to_string();
@@ -235,15 +235,9 @@ fn a_client_without_the_token_or_of_another_page_is_refused() {
 
 #[test]
 fn a_page_says_that_another_headset_is_read_as_long_as_it_is() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, server)) = browser_and_server(Browser::start) else {
         return;
     };
-    let server = Server::start(&folder);
-    browser.call(
-        "Security.setIgnoreCertificateErrors",
-        json!({"ignore": true}),
-    );
     browser.call("Page.navigate", json!({"url": server.link}));
     connected(&mut browser, "once it allows keys");
     let url = json!(format!("{}hands", server.page().replace("https", "wss")));
