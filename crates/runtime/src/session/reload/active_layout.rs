@@ -227,18 +227,22 @@ mod tests {
     use crate::files::Load;
     use crate::session::layout_link::LayoutOperation;
     use crate::session::reload::test_loop::{TIMEOUT, TestLoop};
+    use std::path::PathBuf;
     use std::time::Duration;
     use std::{fs, thread};
+    use tempfile::TempDir;
 
     const TEXT: &str = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), \
                         rows: [(at_mm: (0, 0), keys: \"A\")])])";
 
-    fn session(path: Option<&Path>) -> TestLoop {
-        let layout = match path {
-            Some(path) => Layout::load(path.to_str().unwrap()).unwrap(),
-            None => Layout::parse(TEXT, "a.ron").unwrap(),
-        };
-        TestLoop::start(layout, path, |_| Ok(()))
+    /// Returns a session whose layout is from a file, and the path of the file in its folder.
+    fn session_with_file() -> (TempDir, PathBuf, TestLoop) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ron");
+        fs::write(&path, TEXT).unwrap();
+        let layout = Layout::load(path.to_str().unwrap()).unwrap();
+        let session = TestLoop::start(layout, Some(&path), |_| Ok(()));
+        (folder, path, session)
     }
 
     fn save_at(height: f32) -> LayoutOperation {
@@ -250,7 +254,8 @@ mod tests {
 
     #[test]
     fn a_shipped_layout_is_scaled_but_neither_saved_nor_reloaded() {
-        let session = session(None);
+        let layout = Layout::parse(TEXT, "a.ron").unwrap();
+        let session = TestLoop::start(layout, None, |_| Ok(()));
         assert_eq!(session.request(save_at(0.1)), Err(SHIPPED.into()));
         let error = session.request(LayoutOperation::Reload).unwrap_err();
         assert!(error.contains("no file"), "{error}");
@@ -276,10 +281,7 @@ mod tests {
 
     #[test]
     fn saving_is_not_detected_as_a_change_of_the_file() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("a.ron");
-        fs::write(&path, TEXT).unwrap();
-        let session = session(Some(&path));
+        let (_folder, path, session) = session_with_file();
         assert!(session.request(save_at(0.1)).is_ok());
         let saved = fs::read_to_string(&path).unwrap();
         assert_eq!(saved, TEXT.replace("elbow", "elbow, height_mm: 100"));
@@ -294,10 +296,7 @@ mod tests {
 
     #[test]
     fn the_outcome_of_an_operation_of_the_layout_is_reported_once() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("a.ron");
-        fs::write(&path, TEXT).unwrap();
-        let session = session(Some(&path));
+        let (_folder, _, session) = session_with_file();
         for operation in [LayoutOperation::Scale(2.0), LayoutOperation::Reload] {
             session.run_of_layout(operation);
         }
@@ -313,10 +312,7 @@ mod tests {
 
     #[test]
     fn poses_of_an_earlier_layout_are_not_saved() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("a.ron");
-        fs::write(&path, TEXT).unwrap();
-        let session = session(Some(&path));
+        let (_folder, path, session) = session_with_file();
         session.count_replaced();
         let error = session.request_after(0, save_at(0.1)).unwrap_err();
         assert!(
@@ -329,10 +325,7 @@ mod tests {
 
     #[test]
     fn a_file_that_was_changed_or_is_read_only_is_not_overwritten() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("a.ron");
-        fs::write(&path, TEXT).unwrap();
-        let session = session(Some(&path));
+        let (folder, path, session) = session_with_file();
         let writable = fs::metadata(&path).unwrap().permissions();
         let mut readonly = writable.clone();
         readonly.set_readonly(true);
@@ -356,15 +349,12 @@ mod tests {
             missing_error.ends_with("there is no such file"),
             "{missing_error}"
         );
-        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
     #[test]
     fn a_text_is_tried_without_its_file_and_an_invalid_one_is_not_activated() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("a.ron");
-        fs::write(&path, TEXT).unwrap();
-        let session = session(Some(&path));
+        let (_folder, path, session) = session_with_file();
         assert_eq!(session.try_text(&TEXT.replace("\"A\"", "\"B\"")), Ok(()));
         assert_eq!(session.activated.len(), 1);
         let error = session.try_text("no layout").unwrap_err();
@@ -380,10 +370,7 @@ mod tests {
 
     #[test]
     fn a_file_that_is_valid_again_is_used_in_place_of_a_text_that_is_tried() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("a.ron");
-        fs::write(&path, TEXT).unwrap();
-        let session = session(Some(&path));
+        let (_folder, path, session) = session_with_file();
         let report = || session.reports.recv_timeout(TIMEOUT).unwrap();
         assert_eq!(session.try_text(&TEXT.replace("\"A\"", "\"B\"")), Ok(()));
         fs::write(&path, "no layout").unwrap();
