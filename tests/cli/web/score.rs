@@ -4,7 +4,6 @@ use serde_json::json;
 
 use super::browser_and_server;
 use super::page::{edit, look_like, open};
-use crate::browser::Browser;
 
 const LOOK: &str = r##"({
   text: document.getElementById("score-text").textContent,
