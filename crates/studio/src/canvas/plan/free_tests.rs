@@ -43,7 +43,7 @@ fn handle(editor: &LayoutEditor, view: PlanView, kind: PlanHandle) -> Option<Vec
 }
 
 fn number_of(editor: &LayoutEditor, field: &str) -> f64 {
-    number(editor, BOARD, field).unwrap()
+    editor.number(BOARD, field).unwrap()
 }
 
 #[test]
