@@ -17,7 +17,7 @@ use self::board::BoardDraft;
 use super::draft::LayoutDraft;
 use super::fit::{Fit, PoseFit};
 use super::model::{
-    BASE_LAYER, Board, Control, Key, Layout, MAX_LAYERS, MAX_TARGETS, SpaceTargets,
+    BASE_LAYER, Board, Control, ControlKind, Key, Layout, MAX_LAYERS, MAX_TARGETS, SpaceTargets,
 };
 use super::schema::PoseSchema;
 use super::shape::Shape;
@@ -383,6 +383,19 @@ impl<'a> LayoutBuilder<'a> {
     /// Adds a control to the current board.
     pub fn add_control(&mut self, control: Control) {
         self.controls.push(control);
+    }
+
+    /// Adds a control with one face to the current board. `kind` gets the target of the face.
+    pub fn add_single_face(
+        &mut self,
+        spec: FaceSpec<'a>,
+        kind: impl FnOnce(TargetId) -> ControlKind,
+    ) -> Result<(), DocumentError> {
+        let face = self.add_face(spec)?;
+        let kind = kind(face.target);
+        let faces = vec![face];
+        self.add_control(Control { faces, kind });
+        Ok(())
     }
 
     /// Adds a chord.

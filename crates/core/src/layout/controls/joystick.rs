@@ -12,7 +12,7 @@ use crate::device::joystick::Joystick;
 use crate::device::{Axis, KeyAction};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind, Face, Layout};
+use crate::layout::model::{ControlKind, Face, Layout};
 use crate::layout::quantity::{
     MaxDeflection, Offset, Size, StickDeadZone, StickExponent, StickSpeed, Travel,
 };
@@ -106,29 +106,26 @@ impl<'a> JoystickSchema<'a> {
             return Err(builder.error(self.name.text, message));
         }
         let max_deflection = builder.board().metres(self.max_deflection_mm.get());
-        let face = builder.add_face(FaceSpec {
+        let spec = FaceSpec {
             size: OutlineSchema::Disc(self.diameter_mm),
             travel,
             margin: max_deflection + DRAG_MARGIN,
             ..builder.face_spec("joystick", self.name, &self.label, self.at_mm)
-        })?;
-        let joystick = Joystick {
-            target: face.target,
-            max_deflection,
-            dead_zone: self.dead_zone.get() as f32,
-            curve: self.exponent.get() as f32,
-            axes,
-            direction_keys,
-            push_action,
-            pointer_speed_px_s: self
-                .pointer_px_per_s
-                .map_or(0.0, |speed| speed.get() as f32),
         };
-        builder.add_control(Control {
-            faces: vec![face],
-            kind: ControlKind::Joystick(joystick),
-        });
-        Ok(())
+        builder.add_single_face(spec, |target| {
+            ControlKind::Joystick(Joystick {
+                target,
+                max_deflection,
+                dead_zone: self.dead_zone.get() as f32,
+                curve: self.exponent.get() as f32,
+                axes,
+                direction_keys,
+                push_action,
+                pointer_speed_px_s: self
+                    .pointer_px_per_s
+                    .map_or(0.0, |speed| speed.get() as f32),
+            })
+        })
     }
 
     /// Returns the message for a joystick without any output, or with too short a travel for its push action.

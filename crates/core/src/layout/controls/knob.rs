@@ -12,7 +12,7 @@ use crate::device::knob::{self, Knob};
 use crate::device::value_output::ValueOutput;
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind, Face};
+use crate::layout::model::{ControlKind, Face};
 use crate::layout::quantity::{Fraction, KnobRange, Offset, Size, Steps};
 use crate::layout::render::drawing::{Canvas, Words, draw_fitted, draw_label, draw_outline};
 use crate::layout::schema::{Label, OutlineSchema};
@@ -139,26 +139,23 @@ pub(super) fn add_dial<'a>(
         check_rest(builder, dial.kind, dial.name, rest, steps, dial.output)?;
     }
     let radius = builder.board().metres(dial.diameter_mm.get()) / 2.0;
-    let face = builder.add_face(FaceSpec {
+    let spec = FaceSpec {
         size: OutlineSchema::Disc(dial.diameter_mm),
         margin: DRAG_MARGIN,
         ..builder.face_spec(dial.kind, dial.name, dial.label, dial.at_mm)
-    })?;
-    let knob = Knob {
-        target: face.target,
-        radius,
-        range: dial.range,
-        steps,
-        initial,
-        rest: dial.springs_back.then_some(initial),
-        twist_gain: dial.twist_gain,
-        output: dial.output,
     };
-    builder.add_control(Control {
-        faces: vec![face],
-        kind: ControlKind::Knob(knob),
-    });
-    Ok(())
+    builder.add_single_face(spec, |target| {
+        ControlKind::Knob(Knob {
+            target,
+            radius,
+            range: dial.range,
+            steps,
+            initial,
+            rest: dial.springs_back.then_some(initial),
+            twist_gain: dial.twist_gain,
+            output: dial.output,
+        })
+    })
 }
 
 /// The largest number of turns of a dial with a scale. One with more is a wheel.

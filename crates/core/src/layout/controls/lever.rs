@@ -3,13 +3,14 @@
 use serde::Deserialize;
 
 use super::KindSpec;
-use super::slider::{TrackSpec, add_track};
 use super::value_output::{ValueOutputSchema, check_rest, kept_output};
+use crate::contact::surface::DRAG_MARGIN;
 use crate::device::slider::{GrabMode, Slider, Track};
 use crate::document::{DocumentError, Spanned, schema};
-use crate::layout::builder::LayoutBuilder;
+use crate::layout::builder::{FaceSpec, LayoutBuilder};
+use crate::layout::model::ControlKind;
 use crate::layout::quantity::{Fraction, Offset, Rotation, Size, Steps, Throw};
-use crate::layout::schema::Label;
+use crate::layout::schema::{Label, OutlineSchema};
 
 /// The kind, for editors.
 pub(crate) const KIND: KindSpec = KindSpec {
@@ -69,24 +70,23 @@ impl<'a> LeverSchema<'a> {
             check_rest(builder, "lever", self.name, ("rest", rest), steps, output)?;
         }
         let half_length = builder.board().metres(self.length_mm.get()) / 2.0;
-        let track = TrackSpec {
-            kind: "lever",
-            name: self.name,
-            label: &self.label,
-            at_mm: self.at_mm,
-            length_mm: self.length_mm,
-            width_mm: self.width_mm,
-            rotation_deg: self.rotation_deg,
+        let spec = FaceSpec {
+            rotation: self.rotation_deg.get().to_radians() as f32,
+            size: OutlineSchema::Box(self.length_mm, self.width_mm),
+            margin: DRAG_MARGIN,
+            ..builder.face_spec("lever", self.name, &self.label, self.at_mm)
         };
-        add_track(builder, track, |target| Slider {
-            target,
-            half_length,
-            track: Track::Hinged(self.throw_deg.get().to_radians() as f32),
-            grab: GrabMode::Relative,
-            steps: detents,
-            initial: rest,
-            springs_back: self.springs_back,
-            output,
+        builder.add_single_face(spec, |target| {
+            ControlKind::Slider(Slider {
+                target,
+                half_length,
+                track: Track::Hinged(self.throw_deg.get().to_radians() as f32),
+                grab: GrabMode::Relative,
+                steps: detents,
+                initial: rest,
+                springs_back: self.springs_back,
+                output,
+            })
         })
     }
 }

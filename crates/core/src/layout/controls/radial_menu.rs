@@ -14,7 +14,7 @@ use crate::device::radial_menu::{
 use crate::device::{KeyAction, KeyCode};
 use crate::document::{DocumentError, Spanned, ranged_numbers, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind, Face};
+use crate::layout::model::{ControlKind, Face};
 use crate::layout::quantity::{Offset, Size};
 use crate::layout::render::drawing::{Canvas, Words, draw_fitted, draw_label, draw_outline};
 use crate::layout::schema::{Action, Label, OutlineSchema};
@@ -119,23 +119,20 @@ impl<'a> RadialMenuSchema<'a> {
         let has_nested = self.sectors.iter().any(|sector| !sector.menu.is_empty());
         // The hub may be pressed at its edge, and a nested menu opens one radius away from there.
         let reach = if has_nested { 0.5 * radius } else { 0.0 };
-        let face = builder.add_face(FaceSpec {
+        let spec = FaceSpec {
             size: OutlineSchema::Disc(self.diameter_mm),
             margin: reach + DRAG_MARGIN,
             ..builder.face_spec("radial menu", self.name, &self.label, self.at_mm)
-        })?;
-        let menu = RadialMenu {
-            target: face.target,
-            radius,
-            hub_radius: radius * self.hub.get() as f32,
-            sectors,
-            shown: MenuState::Idle,
         };
-        builder.add_control(Control {
-            faces: vec![face],
-            kind: ControlKind::RadialMenu(menu),
-        });
-        Ok(())
+        builder.add_single_face(spec, |target| {
+            ControlKind::RadialMenu(RadialMenu {
+                target,
+                radius,
+                hub_radius: radius * self.hub.get() as f32,
+                sectors,
+                shown: MenuState::Idle,
+            })
+        })
     }
 }
 

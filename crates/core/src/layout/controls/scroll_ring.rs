@@ -11,7 +11,7 @@ use crate::device::scroll_ring::ScrollRing;
 use crate::device::value_output::ValueOutput;
 use crate::document::{DocumentError, Spanned, ranged_numbers, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind, Face};
+use crate::layout::model::{ControlKind, Face};
 use crate::layout::quantity::{Fraction, Offset, Size};
 use crate::layout::render::drawing::{Canvas, Words, draw_label, draw_outline};
 use crate::layout::schema::{Label, OutlineSchema};
@@ -78,24 +78,21 @@ impl<'a> ScrollRingSchema<'a> {
         }
         let radius = builder.board().metres(self.diameter_mm.get()) / 2.0;
         // Without the margin of sliders: a finger that leaves the ring releases it.
-        let face = builder.add_face(FaceSpec {
+        let spec = FaceSpec {
             size: OutlineSchema::Disc(self.diameter_mm),
             ..builder.face_spec("scroll ring", self.name, &self.label, self.at_mm)
-        })?;
-        let ring = ScrollRing {
-            target: face.target,
-            radius,
-            dead_radius: radius * self.dead_center.get() as f32,
-            detents,
-            is_reversed: self.reversed,
-            initial: self.initial.map_or(0.0, |initial| initial.get() as f32),
-            output,
         };
-        builder.add_control(Control {
-            faces: vec![face],
-            kind: ControlKind::ScrollRing(ring),
-        });
-        Ok(())
+        builder.add_single_face(spec, |target| {
+            ControlKind::ScrollRing(ScrollRing {
+                target,
+                radius,
+                dead_radius: radius * self.dead_center.get() as f32,
+                detents,
+                is_reversed: self.reversed,
+                initial: self.initial.map_or(0.0, |initial| initial.get() as f32),
+                output,
+            })
+        })
     }
 }
 

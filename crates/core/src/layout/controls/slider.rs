@@ -1,4 +1,4 @@
-//! Sliders, and the tracks of sliders and levers.
+//! Sliders, and the drawing of sliders and levers.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -7,12 +7,11 @@ use serde::Deserialize;
 
 use super::value_output::{ValueOutputSchema, kept_output};
 use super::{ControlModel, Front, Handle, KindSpec};
-use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::slider::{GrabMode, Slider, Track};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind, Face};
+use crate::layout::model::{ControlKind, Face};
 use crate::layout::quantity::{Fraction, Offset, Rotation, Size, Steps};
 use crate::layout::render::drawing::{Canvas, Placement, Words, draw_label, draw_outline};
 use crate::layout::schema::{Label, OutlineSchema};
@@ -74,66 +73,33 @@ schema! {
     }
 }
 
-/// The track of a slider or lever.
-pub(super) struct TrackSpec<'s, 'a> {
-    /// The kind in messages.
-    pub kind: &'static str,
-    pub name: Spanned<'a>,
-    pub label: &'s Option<Label>,
-    pub at_mm: (Offset, Offset),
-    pub length_mm: Size,
-    pub width_mm: Size,
-    pub rotation_deg: Rotation,
-}
-
 impl<'a> SliderSchema<'a> {
     /// Adds the slider to the current board.
     pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
         let output = kept_output(builder, self.output)?;
         let half_length = builder.board().metres(self.length_mm.get()) / 2.0;
-        let track = TrackSpec {
-            kind: "slider",
-            name: self.name,
-            label: &self.label,
-            at_mm: self.at_mm,
-            length_mm: self.length_mm,
-            width_mm: self.width_mm,
-            rotation_deg: self.rotation_deg,
+        let spec = FaceSpec {
+            rotation: self.rotation_deg.get().to_radians() as f32,
+            size: OutlineSchema::Box(self.length_mm, self.width_mm),
+            margin: DRAG_MARGIN,
+            ..builder.face_spec("slider", self.name, &self.label, self.at_mm)
         };
-        add_track(builder, track, |target| Slider {
-            target,
-            half_length,
-            track: Track::Straight,
-            grab: match self.grab {
-                GrabModeSchema::Absolute => GrabMode::Absolute,
-                GrabModeSchema::Relative => GrabMode::Relative,
-            },
-            steps: self.steps.map(|steps| steps.get() as u16),
-            initial: self.initial.map_or(0.0, |initial| initial.get() as f32),
-            springs_back: false,
-            output,
+        builder.add_single_face(spec, |target| {
+            ControlKind::Slider(Slider {
+                target,
+                half_length,
+                track: Track::Straight,
+                grab: match self.grab {
+                    GrabModeSchema::Absolute => GrabMode::Absolute,
+                    GrabModeSchema::Relative => GrabMode::Relative,
+                },
+                steps: self.steps.map(|steps| steps.get() as u16),
+                initial: self.initial.map_or(0.0, |initial| initial.get() as f32),
+                springs_back: false,
+                output,
+            })
         })
     }
-}
-
-/// Adds a track to the current board, and the slider or lever on it.
-pub(super) fn add_track<'a>(
-    builder: &mut LayoutBuilder<'a>,
-    track: TrackSpec<'_, 'a>,
-    slider: impl FnOnce(TargetId) -> Slider,
-) -> Result<(), DocumentError> {
-    let face = builder.add_face(FaceSpec {
-        rotation: track.rotation_deg.get().to_radians() as f32,
-        size: OutlineSchema::Box(track.length_mm, track.width_mm),
-        margin: DRAG_MARGIN,
-        ..builder.face_spec(track.kind, track.name, track.label, track.at_mm)
-    })?;
-    let target = face.target;
-    builder.add_control(Control {
-        faces: vec![face],
-        kind: ControlKind::Slider(slider(target)),
-    });
-    Ok(())
 }
 
 impl ControlModel for Slider {

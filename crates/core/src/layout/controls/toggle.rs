@@ -8,7 +8,7 @@ use super::{ControlModel, Front, Handle, KindSpec};
 use crate::device::toggle::{Toggle, ToggleOutput};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind, Face};
+use crate::layout::model::{ControlKind, Face};
 use crate::layout::quantity::Offset;
 use crate::layout::render::drawing::{Canvas, Words, draw_label, draw_outline, text_room};
 use crate::layout::schema::{Action, Label, OutlineSchema};
@@ -50,19 +50,13 @@ impl<'a> ToggleSchema<'a> {
     /// Adds the switch to the current board.
     pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
         let output = toggle_output(builder, "toggle switch", self.name, self.hold, self.tap)?;
-        let face = builder.add_face(FaceSpec {
+        let spec = FaceSpec {
             size: self.size_mm.unwrap_or(builder.board().size),
             ..builder.face_spec("toggle switch", self.name, &self.label, self.at_mm)
-        })?;
-        let toggle = Toggle {
-            target: face.target,
-            output,
         };
-        builder.add_control(Control {
-            faces: vec![face],
-            kind: ControlKind::Toggle(toggle),
-        });
-        Ok(())
+        builder.add_single_face(spec, |target| {
+            ControlKind::Toggle(Toggle { target, output })
+        })
     }
 }
 

@@ -8,7 +8,7 @@ use crate::contact::surface::Shape;
 use crate::device::touch_surface::{TouchMode, TouchSurface, TouchpadSettings};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind, Face};
+use crate::layout::model::{ControlKind, Face};
 use crate::layout::quantity::{Acceleration, MmPerDetent, Offset, PixelsPerMm};
 use crate::layout::render::drawing::{Canvas, Words, draw_label, draw_outline};
 use crate::layout::schema::{Label, OutlineSchema};
@@ -80,19 +80,13 @@ impl<'a> TouchSurfaceSchema<'a> {
             }
             TouchModeSchema::Touchpad => TouchMode::Touchpad(self.touchpad_settings()),
         };
-        let face = builder.add_face(FaceSpec {
+        let spec = FaceSpec {
             size: self.size_mm,
             ..builder.face_spec("touch surface", self.name, &self.label, self.at_mm)
-        })?;
-        let surface = TouchSurface {
-            target: face.target,
-            mode,
         };
-        builder.add_control(Control {
-            faces: vec![face],
-            kind: ControlKind::TouchSurface(surface),
-        });
-        Ok(())
+        builder.add_single_face(spec, |target| {
+            ControlKind::TouchSurface(TouchSurface { target, mode })
+        })
     }
 
     fn reject_touchpad_fields(&self, builder: &LayoutBuilder<'a>) -> Result<(), DocumentError> {

@@ -11,7 +11,7 @@ use crate::device::value_output::NamedValue;
 use crate::device::xy_pad::{PadAxis, XyPad};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind, Face};
+use crate::layout::model::{ControlKind, Face};
 use crate::layout::quantity::{Fraction, Offset, Steps};
 use crate::layout::render::drawing::{Canvas, Words, draw_label, draw_outline, label_half};
 use crate::layout::schema::{Label, OutlineSchema};
@@ -79,28 +79,25 @@ impl<'a> XyPadSchema<'a> {
             return Err(builder.error(self.name.text, message));
         };
         let axes = [self.axis(self.x, builder)?, self.axis(self.y, builder)?];
-        let face = builder.add_face(FaceSpec {
+        let spec = FaceSpec {
             size: self.size_mm,
             margin: DRAG_MARGIN,
             ..builder.face_spec("XY pad", self.name, &self.label, self.at_mm)
-        })?;
+        };
         // The builder numbers the values behind all targets that fingertips touch.
         let values = DIRECTIONS.map(|direction| NamedValue {
             name: format!("{} {direction}", self.name.text),
             target: TargetId(u32::MAX),
         });
-        let pad = XyPad {
-            target: face.target,
-            half_extents,
-            values,
-            axes,
-            springs_back: self.springs_back,
-        };
-        builder.add_control(Control {
-            faces: vec![face],
-            kind: ControlKind::XyPad(pad),
-        });
-        Ok(())
+        builder.add_single_face(spec, |target| {
+            ControlKind::XyPad(XyPad {
+                target,
+                half_extents,
+                values,
+                axes,
+                springs_back: self.springs_back,
+            })
+        })
     }
 
     fn axis(
