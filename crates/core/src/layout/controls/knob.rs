@@ -189,10 +189,6 @@ impl ControlModel for Knob {
         Some(self.initial)
     }
 
-    fn value_number(&self, _: usize) -> Option<f32> {
-        Some(self.initial)
-    }
-
     fn set_value(&mut self, _: usize, value: f32) {
         self.initial = value;
     }

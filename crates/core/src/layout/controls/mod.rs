@@ -168,8 +168,8 @@ pub(crate) trait ControlModel {
     }
 
     /// Returns the number of a value that is a quantity, as it is drawn; `None` for any other value.
-    fn value_number(&self, _index: usize) -> Option<f32> {
-        None
+    fn value_number(&self, index: usize) -> Option<f32> {
+        self.initial_value(index)
     }
 
     /// Describes each front.

@@ -110,10 +110,6 @@ impl ControlModel for ScrollRing {
         Some(self.initial)
     }
 
-    fn value_number(&self, _: usize) -> Option<f32> {
-        Some(self.initial)
-    }
-
     fn set_value(&mut self, _: usize, value: f32) {
         self.initial = value;
     }

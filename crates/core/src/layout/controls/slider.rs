@@ -113,10 +113,6 @@ impl ControlModel for Slider {
         Some(self.initial)
     }
 
-    fn value_number(&self, _: usize) -> Option<f32> {
-        Some(self.initial)
-    }
-
     fn set_value(&mut self, _: usize, value: f32) {
         self.initial = value;
     }

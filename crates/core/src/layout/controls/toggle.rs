@@ -93,6 +93,10 @@ impl ControlModel for Toggle {
         Some(0.0)
     }
 
+    fn value_number(&self, _: usize) -> Option<f32> {
+        None
+    }
+
     fn describe(&self, words: &Words) -> Vec<String> {
         vec![format!("switch{}", words.switched(self.output))]
     }

@@ -140,10 +140,6 @@ impl ControlModel for XyPad {
         Some(self.axes.get(index)?.initial)
     }
 
-    fn value_number(&self, index: usize) -> Option<f32> {
-        self.initial_value(index)
-    }
-
     fn set_value(&mut self, index: usize, value: f32) {
         if let Some(axis) = self.axes.get_mut(index) {
             axis.initial = value;
