@@ -36,4 +36,4 @@ pub use self::fields::{FieldSpec, FieldType, can_turn, fields_of};
 pub use self::geometry::{Place, places};
 pub use self::names::name_of;
 pub use self::part::{ControlKind, Part, part_at, part_of, parts_of, targets};
-pub use self::patch::{Patch, Replacement};
+pub use self::patch::Patch;

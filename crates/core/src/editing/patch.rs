@@ -4,11 +4,11 @@ use std::ops::Range;
 
 /// A part of a text that is replaced.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Replacement {
+struct Replacement {
     /// The bytes that are replaced; empty for an insertion.
-    pub range: Range<usize>,
+    range: Range<usize>,
     /// The bytes in their place.
-    pub text: String,
+    text: String,
 }
 
 /// Replacements in one text, none of which overlap.
@@ -22,11 +22,6 @@ impl Patch {
     pub fn replace(&mut self, range: Range<usize>, text: impl Into<String>) {
         let text = text.into();
         self.replacements.push(Replacement { range, text });
-    }
-
-    /// Returns the replacements.
-    pub fn replacements(&self) -> &[Replacement] {
-        &self.replacements
     }
 
     /// Returns `true` if nothing is replaced.
@@ -131,7 +126,7 @@ mod tests {
             assert_eq!(patched.0, new);
             assert_eq!(patched.1.apply(new).unwrap().0, old);
         }
-        assert_eq!(Patch::between("aéb", "aèb").replacements()[0].range, 1..3);
+        assert_eq!(Patch::between("aéb", "aèb").replacements[0].range, 1..3);
     }
 
     #[test]

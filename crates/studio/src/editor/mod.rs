@@ -54,7 +54,7 @@ pub use self::recovery::UnsavedWork;
 pub use self::trial::EditorTrial;
 pub use ademan_core::editing::{
     AlignEdge, Binding, BoardAxis, ControlKind, Edit, EditError, Edited, FieldSpec, FieldType,
-    NewPart, Part, Patch, Place, PlaceTo, Replacement, Slot, beside, can_turn, edit, fields_of,
+    NewPart, Part, Patch, Place, PlaceTo, Slot, beside, can_turn, edit, fields_of,
 };
 
 use std::collections::BTreeSet;
