@@ -108,11 +108,6 @@ impl<'a> Bigrams<'a> {
         self.rows.entries.len() / 4
     }
 
-    /// Returns the number of threes.
-    pub fn triples(&self) -> usize {
-        self.contexts.entries.len() / 4
-    }
-
     /// Returns `true` if there are no pairs.
     pub fn is_empty(&self) -> bool {
         self.rows.entries.is_empty()
