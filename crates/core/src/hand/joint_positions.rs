@@ -14,24 +14,13 @@ use super::Joint;
 ///
 /// Serialised as a map of the known positions: `{"elbow":[0.0,-0.3,0.0],"wrist":[0.0,-0.3,-0.25]}`, with the direction across
 /// the wrist as `wrist-axis` and the list of joints that are `predicted`, if there are any.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointPositions {
     positions: [DVec3; Joint::COUNT],
     known: u32,
     /// Joints whose position is predicted.
     predicted: u32,
     wrist_axis: Option<DVec3>,
-}
-
-impl Default for JointPositions {
-    fn default() -> Self {
-        Self {
-            positions: [DVec3::ZERO; Joint::COUNT],
-            known: 0,
-            predicted: 0,
-            wrist_axis: None,
-        }
-    }
 }
 
 impl JointPositions {

@@ -40,18 +40,10 @@ pub enum BatchError {
 }
 
 /// The joint angles of eight hands at one time, in radians, in single precision. Angles that are not set are 0.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
 pub struct LaneAngles {
     radians: [[f32; LANES]; Dof::COUNT],
-}
-
-impl Default for LaneAngles {
-    fn default() -> Self {
-        Self {
-            radians: [[0.0; LANES]; Dof::COUNT],
-        }
-    }
 }
 
 impl LaneAngles {

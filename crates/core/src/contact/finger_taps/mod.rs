@@ -31,19 +31,10 @@ pub const POINTS: usize = 21;
 pub const PICTURES: usize = 15;
 
 /// The last pictures of a hand.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TapClip {
     pictures: [Picture; PICTURES],
     count: usize,
-}
-
-impl Default for TapClip {
-    fn default() -> Self {
-        Self {
-            pictures: [[[0.0; 2]; POINTS]; PICTURES],
-            count: 0,
-        }
-    }
 }
 
 impl TapClip {

@@ -10,20 +10,11 @@ use crate::time::Timestamp;
 const HOLD: Duration = Duration::from_millis(200);
 
 /// The converter of one arm.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct BoneConverter {
     /// The last rotation of every bone seen so far.
     last: ArmRotations,
     seen_at: [Timestamp; ArmBone::COUNT],
-}
-
-impl Default for BoneConverter {
-    fn default() -> Self {
-        Self {
-            last: ArmRotations::default(),
-            seen_at: [Timestamp::default(); ArmBone::COUNT],
-        }
-    }
 }
 
 impl BoneConverter {
