@@ -7,6 +7,7 @@
 use glam::{DMat3, DVec3};
 
 use super::arm_shape::ArmShape;
+use super::hand_joints::title;
 use super::skeleton::{Channel, Node, Skeleton};
 use crate::geometry::{EulerOrder, rotation_between};
 use crate::hand::{Finger, Joint, JointPositions, Side};
@@ -279,13 +280,6 @@ fn rotation_channels(order: EulerOrder) -> impl Iterator<Item = Channel> {
         'Y' => Channel::YRotation,
         _ => Channel::ZRotation,
     })
-}
-
-fn title(side: Side) -> &'static str {
-    match side {
-        Side::Left => "Left",
-        Side::Right => "Right",
-    }
 }
 
 fn is_finger(joint: Joint) -> bool {

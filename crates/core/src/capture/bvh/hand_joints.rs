@@ -43,7 +43,8 @@ pub enum HandJointsError {
     },
 }
 
-fn title(side: Side) -> &'static str {
+/// Returns the side as the names of joints begin with it.
+pub(super) fn title(side: Side) -> &'static str {
     match side {
         Side::Left => "Left",
         Side::Right => "Right",
