@@ -13,7 +13,7 @@ use super::shape::Shape;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, Scene};
 use crate::contact::{TargetId, TargetNames};
-use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold};
+use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold, action_in_layer};
 use crate::device::pointer::{AnchoredFrame, PointerSettings, SelectionSpace};
 use crate::device::signals::Signals;
 use crate::device::trigger::{Measure, Trigger};
@@ -242,8 +242,7 @@ impl Board {
 impl Key {
     /// Returns the action in a layer, or in the base layer if that layer defines none.
     pub fn action(&self, layer: usize) -> Option<KeyAction> {
-        let own = self.actions.get(layer).copied().flatten();
-        own.or_else(|| self.actions.first().copied().flatten())
+        action_in_layer(&self.actions, layer)
     }
 
     /// Returns the action of a tap-hold key when it is held.

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::action::HandAction;
 use crate::contact::TargetId;
-use crate::device::keyboard::{Chord, KeyBinding};
+use crate::device::keyboard::{Chord, KeyBinding, action_in_layer};
 use crate::device::{KeyAction, KeyCode, Latch, Multitap, Multitaps};
 use crate::layout::Layout;
 
@@ -117,8 +117,7 @@ struct Stroke<'a> {
 
 impl Stroke<'_> {
     fn action_in(&self, layer: usize) -> Option<KeyAction> {
-        let own = self.actions.get(layer).copied().flatten();
-        own.or_else(|| self.actions.first().copied().flatten())
+        action_in_layer(self.actions, layer)
     }
 
     fn action(self) -> HandAction {

@@ -24,6 +24,12 @@ pub struct KeyBinding {
     pub debounce: Duration,
 }
 
+/// Returns the action of a key or chord in a layer, or in the base layer if that layer defines none.
+pub fn action_in_layer(actions: &[Option<KeyAction>], layer: usize) -> Option<KeyAction> {
+    let own = actions.get(layer).copied().flatten();
+    own.or_else(|| actions.first().copied().flatten())
+}
+
 /// The moment at which a key fires its action.
 ///
 /// [`OnRelease`](Self::OnRelease) and [`TapHold`](Self::TapHold) apply to [`KeyAction::Key`], texts and

@@ -5,7 +5,7 @@ use std::time::Duration;
 use arrayvec::ArrayVec;
 
 use super::pending::PendingPress;
-use super::{Activation, KeyAction, Keyboard, PressSource, TapHold};
+use super::{Activation, KeyAction, Keyboard, PressSource, TapHold, action_in_layer};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::device::DeviceOutput;
 use crate::device::target_index::TargetIndex;
@@ -33,8 +33,7 @@ pub struct Chord {
 impl Chord {
     /// Returns the action in a layer, or in the base layer if that layer defines none.
     pub fn action(&self, layer: usize) -> Option<KeyAction> {
-        let own = self.actions.get(layer).copied().flatten();
-        own.or_else(|| self.actions.first().copied().flatten())
+        action_in_layer(&self.actions, layer)
     }
 }
 

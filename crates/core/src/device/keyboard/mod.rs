@@ -8,7 +8,7 @@ mod dwell;
 mod pending;
 mod velocity;
 
-pub use self::binding::{Activation, KeyBinding, TapHold};
+pub use self::binding::{Activation, KeyBinding, TapHold, action_in_layer};
 pub use self::chords::{Chord, MAX_CHORD_KEYS};
 
 use arrayvec::ArrayVec;
@@ -79,9 +79,7 @@ impl Keyboard {
 
     /// Returns the action of a target in a layer.
     fn action(&self, target: TargetId, layer: usize) -> Option<KeyAction> {
-        let actions = &self.binding(target)?.actions;
-        let in_layer = actions.get(layer).copied().flatten();
-        in_layer.or_else(|| actions.first().copied().flatten())
+        action_in_layer(&self.binding(target)?.actions, layer)
     }
 
     /// Returns the action of a press at `time`: in the active layer, or in the one-shot layer of the letter that it replaces.
