@@ -281,6 +281,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::capture::protocol::options;
     use crate::hand::Joint;
 
     const TEXT: &str = "HIERARCHY\nROOT Hips { OFFSET 0 0 0 CHANNELS 3 Xposition Yposition Zposition\n\
@@ -288,14 +289,6 @@ mod tests {
         JOINT RightForeArm { OFFSET -30 0 0 CHANNELS 1 Yrotation\n\
         JOINT RightHand { OFFSET -25 0 0 CHANNELS 0 End Site { OFFSET -18 0 0 } } } } }\n\
         MOTION\nFrames: 2\nFrame Time: 0.02\n0 0 0 0 0\n10 0 0 90 0\n";
-
-    fn options(pairs: &[(&ProtocolOption, &str)]) -> ProtocolOptions {
-        let mut options = ProtocolOptions::default();
-        for (option, value) in pairs {
-            options.set(option, value).unwrap();
-        }
-        options
-    }
 
     fn decode(options: &ProtocolOptions, text: &str, size: usize) -> (Vec<Packet>, BvhDecoder) {
         let (mut decoder, mut packets) = (BvhDecoder::new(options), Vec::new());

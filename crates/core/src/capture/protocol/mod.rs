@@ -163,6 +163,16 @@ impl ProtocolOptions {
     }
 }
 
+/// Returns options with these values.
+#[cfg(test)]
+fn options(pairs: &[(&ProtocolOption, &str)]) -> ProtocolOptions {
+    let mut options = ProtocolOptions::default();
+    for (option, value) in pairs {
+        options.set(option, value).expect("a valid value");
+    }
+    options
+}
+
 /// A protocol with its options and the bit rate of the line that carries it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StreamFormat {

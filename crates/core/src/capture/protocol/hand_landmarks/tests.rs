@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::capture::Sample;
-use crate::capture::protocol::InvalidPackets;
+use crate::capture::protocol::{InvalidPackets, options};
 
 /// A right hand with half-bent fingers, palm down, in front of a camera at the origin.
 fn right_hand() -> JointPositions {
@@ -27,14 +27,6 @@ fn mirrored(positions: &JointPositions) -> JointPositions {
         mirrored.set(joint, position.with_x(-position.x));
     }
     mirrored
-}
-
-fn options(pairs: &[(&ProtocolOption, &str)]) -> ProtocolOptions {
-    let mut options = ProtocolOptions::default();
-    for (option, value) in pairs {
-        options.set(option, value).expect("a valid value");
-    }
-    options
 }
 
 fn decode(pairs: &[(&ProtocolOption, &str)], lines: &[String]) -> (Vec<Packet>, InvalidPackets) {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::capture::protocol::Decoder;
+use crate::capture::protocol::{Decoder, options};
 use crate::time::Timestamp;
 
 /// The orientation of a sensor with any north and up, and later ones: turned by 30° about its own X, Y and Z, and by 50° about Z,
@@ -11,14 +11,6 @@ const TURNED: [&str; 4] = [
     "0.0864059,0.3704383,0.1250577,0.9163351",
     "-0.3610591,0.4063560,0.5377068,0.6445017",
 ];
-
-fn options(options: &[(&ProtocolOption, &str)]) -> ProtocolOptions {
-    let mut set = ProtocolOptions::default();
-    for (option, value) in options {
-        set.set(option, value).unwrap();
-    }
-    set
-}
 
 fn decode(decoder: &mut LineDecoder<ImuParser>, text: &str) -> Vec<Displacement> {
     let mut found = Vec::new();

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use glam::DVec3;
 
 use super::*;
+use crate::capture::protocol::options;
 use crate::hand::{Joint, JointPositions};
 use crate::time::Timestamp;
 
@@ -14,14 +15,6 @@ const CAMERAS: [DVec3; 4] = [
     DVec3::new(-2.0, 1.5, -2.0),
     DVec3::new(2.0, 1.8, -2.0),
 ];
-
-fn options(pairs: &[(&ProtocolOption, &str)]) -> ProtocolOptions {
-    let mut options = ProtocolOptions::default();
-    for (option, value) in pairs {
-        options.set(option, value).unwrap();
-    }
-    options
-}
 
 /// Returns the line of cameras that see labelled points; the label `-` is none.
 fn line(seen: &[(DVec3, &[(&str, DVec3)])]) -> String {
