@@ -118,18 +118,10 @@ mod tests {
     use parry3d::math::{Pose, Rotation, Vec2};
 
     use super::*;
-    use crate::contact::target::{Shape, Share, TREMOR_MARGIN};
+    use crate::contact::target::{Shape, test_target};
 
     fn key(surface_from_target: Pose) -> Target {
-        Target {
-            shape: Shape::Box(Vec2::splat(0.008)),
-            share: Share::NONE,
-            surface_from_target,
-            travel: 0.004,
-            press_at: 0.5,
-            release_at: 0.25,
-            margin: TREMOR_MARGIN,
-        }
+        test_target(Shape::Box(Vec2::splat(0.008)), surface_from_target)
     }
 
     fn board(columns: u32, rows: u32) -> Vec<Target> {

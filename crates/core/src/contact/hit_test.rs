@@ -161,22 +161,11 @@ mod tests {
     use parry3d::math::{Pose, Rotation, Vec2};
 
     use super::*;
-    use crate::contact::surface::{Anchor, Scene, Shape, Share, TREMOR_MARGIN};
+    use crate::contact::surface::{Anchor, Scene, Shape, Share};
     use crate::contact::sweep::tests::assert_close;
+    use crate::contact::target::test_target;
 
     const KEY: Shape = Shape::Box(Vec2::new(0.008, 0.006));
-
-    fn target(shape: Shape, surface_from_target: Pose) -> Target {
-        Target {
-            shape,
-            share: Share::NONE,
-            surface_from_target,
-            travel: 0.004,
-            press_at: 0.5,
-            release_at: 0.25,
-            margin: TREMOR_MARGIN,
-        }
-    }
 
     #[test]
     fn a_rotated_target_is_pressed_along_its_own_normal() {
@@ -185,7 +174,7 @@ mod tests {
             Vec3::new(0.1, 0.0, 0.0),
             Rotation::from_rotation_x(FRAC_PI_2),
         );
-        let rotated = target(KEY, pose);
+        let rotated = test_target(KEY, pose);
         let centers = [Vec3::new(0.1, -0.02, 0.0), Vec3::new(0.1, 0.0, 0.0)];
         let sweep = Sweep::from_centers(&rotated, centers, 0.005);
         assert_close(sweep.t_at_entry(KEY, Share::NONE), Some(0.75), "along +Y");
@@ -198,7 +187,8 @@ mod tests {
 
     #[test]
     fn the_first_front_wins_and_the_nearest_center_on_a_tie() {
-        let at = |x: f32, z: f32| target(KEY, Pose::from_translation(Vec3::new(x, 0.0, z) * 1e-3));
+        let at =
+            |x: f32, z: f32| test_target(KEY, Pose::from_translation(Vec3::new(x, 0.0, z) * 1e-3));
         let cross = |targets: Vec<Target>, x: f32| {
             let mut scene = Scene::new();
             scene.add_surface(Anchor::World, Pose::IDENTITY, targets);
@@ -310,7 +300,7 @@ mod tests {
         let shapes = [KEY, Shape::Disc(0.01)].into_iter().cycle();
         let targets = shapes.take(400).map(|shape| {
             let pose = Pose::from_parts(vector(0.1), Rotation::from_scaled_axis(vector(3.0)));
-            target(shape, pose)
+            test_target(shape, pose)
         });
         assert_agrees_with_a_linear_search(targets.collect(), Vec3::splat(0.12));
     }
@@ -331,7 +321,7 @@ mod tests {
                     0 => Shape::Disc(between(0.003, 0.012)),
                     _ => Shape::Box(Vec2::new(between(0.002, 0.02), between(0.002, 0.01))),
                 };
-                target(shape, Pose::from_parts(center + height, rotation))
+                test_target(shape, Pose::from_parts(center + height, rotation))
             };
             let targets = (0..400).map(target).collect();
             assert_agrees_with_a_linear_search(targets, Vec3::new(0.25, 0.25, 0.03));
@@ -362,7 +352,7 @@ mod tests {
                     let center = Vec3::new(number(&button[0]), number(&button[1]), height);
                     let front = Target {
                         travel: height,
-                        ..target(
+                        ..test_target(
                             Shape::Box(Vec2::splat(half)),
                             Pose::from_translation(center),
                         )

@@ -126,23 +126,20 @@ mod tests {
     use parry3d::math::{Pose, Rotation, Vec2};
 
     use super::*;
-    use crate::contact::surface::{Anchor, Shape, Share, TREMOR_MARGIN};
+    use crate::contact::surface::{Anchor, Shape};
+    use crate::contact::target::test_target;
     use crate::contact::{ContactTracker, Phase, Touches};
     use crate::hand::Joint;
     use crate::kinematics::HandPose;
 
     /// Keys of 16 mm at a pitch of 19 mm in three columns and two rows, on a board that stands upright.
     fn board() -> Scene {
-        let key = |index: u32| Target {
-            shape: Shape::Box(Vec2::splat(0.008)),
-            share: Share::NONE,
-            surface_from_target: Pose::from_translation(
-                Vec3::new((index % 3) as f32, (index / 3) as f32, 0.0) * 0.019,
-            ),
-            travel: 0.004,
-            press_at: 0.5,
-            release_at: 0.25,
-            margin: TREMOR_MARGIN,
+        let key = |index: u32| {
+            let place = Vec3::new((index % 3) as f32, (index / 3) as f32, 0.0) * 0.019;
+            test_target(
+                Shape::Box(Vec2::splat(0.008)),
+                Pose::from_translation(place),
+            )
         };
         let upright = Pose::from_parts(Vec3::new(0.1, 1.0, -0.4), Rotation::from_rotation_x(0.3));
         let mut scene = Scene::new();

@@ -92,20 +92,13 @@ mod tests {
     use parry3d::math::{Rotation, Vec2};
 
     use super::*;
-    use crate::contact::surface::{Anchor, Scene, Shape, Share, TREMOR_MARGIN, Target};
+    use crate::contact::surface::{Anchor, Scene, Shape, Target};
+    use crate::contact::target::test_target;
 
     const REACH: f32 = 0.006;
 
     fn target(surface_from_target: Pose) -> Target {
-        Target {
-            shape: Shape::Box(Vec2::new(0.008, 0.006)),
-            share: Share::NONE,
-            surface_from_target,
-            travel: 0.004,
-            press_at: 0.5,
-            release_at: 0.25,
-            margin: TREMOR_MARGIN,
-        }
+        test_target(Shape::Box(Vec2::new(0.008, 0.006)), surface_from_target)
     }
 
     fn scene(targets: Vec<Target>) -> Scene {

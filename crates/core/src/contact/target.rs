@@ -68,6 +68,20 @@ impl Target {
     }
 }
 
+/// Returns a key of this outline.
+#[cfg(test)]
+pub(super) fn test_target(shape: Shape, surface_from_target: Pose) -> Target {
+    Target {
+        shape,
+        share: Share::NONE,
+        surface_from_target,
+        travel: 0.004,
+        press_at: 0.5,
+        release_at: 0.25,
+        margin: TREMOR_MARGIN,
+    }
+}
+
 /// The smallest [margin](Target::margin), in metres, so that tremor at the edge does not cancel a touch. An unsupported
 /// arm sways by 0.5–2 mm below 2 Hz, a fingertip trembles by 0.02–0.1 mm (Arch Neurol 1982;39:358).
 pub const TREMOR_MARGIN: f32 = 0.002;
