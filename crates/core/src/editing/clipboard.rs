@@ -45,12 +45,8 @@ pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
                 let control_text = with_size(draft, board, kind, control_text).ok()?;
                 lists.entry(kind).or_default().push(control_text);
             }
-            Part::RadioOption { board, radio, .. } => {
-                let group = Part::Control {
-                    board,
-                    kind: ControlKind::Radio,
-                    index: radio,
-                };
+            Part::RadioOption { board, .. } => {
+                let group = part.parent()?;
                 let group_text = draft.node(group).ok()?.text(draft.text());
                 let group_text = with_size(draft, board, ControlKind::Radio, group_text).ok()?;
                 let groups = lists.entry(ControlKind::Radio).or_default();
@@ -127,13 +123,8 @@ fn with_size(
 fn outlined(draft: &Draft, kind: ControlKind, index: usize) -> Vec<Part> {
     let board = 0;
     let control = Part::Control { board, kind, index };
-    let options = 0..draft.count(control, "options");
-    let options = options.map(|option| Part::RadioOption {
-        board,
-        radio: index,
-        option,
-    });
-    let parts = options.chain([control]);
+    let options = draft.radio_options(control).unwrap_or_default();
+    let parts = options.into_iter().chain([control]);
     let is_of_board = |part: &Part| {
         let fields = fields_of(*part);
         let mut sizes = fields.iter().filter(|field| field.name == "size_mm");

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::error::EditError;
-use super::part::Part;
+use super::part::{ControlKind, Part};
 use super::patch::Patch;
 use crate::document::{Item, Node, read_tree};
 
@@ -69,6 +69,24 @@ impl Draft {
     /// Returns the number of values in a list, 0 if it is not written.
     pub fn count(&self, part: Part, list: &str) -> usize {
         self.field(part, list).map_or(0, |node| node.items().len())
+    }
+
+    /// Returns the options of a radio group; `None` for any other part.
+    pub fn radio_options(&self, part: Part) -> Option<Vec<Part>> {
+        let Part::Control {
+            board,
+            kind: ControlKind::Radio,
+            index: radio,
+        } = part
+        else {
+            return None;
+        };
+        let options = (0..self.count(part, "options")).map(|option| Part::RadioOption {
+            board,
+            radio,
+            option,
+        });
+        Some(options.collect())
     }
 
     /// Returns the number in a field, or `default` if it is not written.

@@ -57,6 +57,11 @@ pub(super) fn shift(
 }
 
 pub(super) fn shift_one(draft: &mut Draft, part: Part, by: [f64; 3]) -> Result<(), EditError> {
+    if let Some(options) = draft.radio_options(part) {
+        return options
+            .into_iter()
+            .try_for_each(|option| shift_one(draft, option, by));
+    }
     let [right, forward, up] = by;
     match part {
         Part::Board(_) | Part::Space(_) => shift_pose(draft, part, by),
@@ -64,19 +69,6 @@ pub(super) fn shift_one(draft: &mut Draft, part: Part, by: [f64; 3]) -> Result<(
             let [x, y, z] = required(draft.numbers(part, "at_mm")?)?;
             draft.set_numbers(part, "at_mm", [x + right, y + up, z - forward])
         }
-        Part::Control {
-            board,
-            kind: ControlKind::Radio,
-            index,
-        } => (0..draft.count(part, "options")).try_for_each(|option| {
-            let radio = index;
-            let option = Part::RadioOption {
-                board,
-                radio,
-                option,
-            };
-            shift_one(draft, option, by)
-        }),
         Part::Control {
             kind: ControlKind::Key,
             ..
@@ -247,20 +239,10 @@ pub(super) fn tilt(
 
 /// Returns the rectangle around a part of a board.
 pub(super) fn extent(draft: &Draft, part: Part) -> Result<Extent, EditError> {
-    if let Part::Control {
-        board,
-        kind: ControlKind::Radio,
-        index: radio,
-    } = part
-    {
-        let options = (0..draft.count(part, "options")).map(|option| Part::RadioOption {
-            board,
-            radio,
-            option,
-        });
-        let extents: Result<Vec<Extent>, EditError> =
-            options.map(|option| extent(draft, option)).collect();
-        return Extent::around(&extents?).ok_or(EditError::NoPart("radio option"));
+    if let Some(options) = draft.radio_options(part) {
+        let extents = options.into_iter().map(|option| extent(draft, option));
+        let extents: Vec<Extent> = extents.collect::<Result<_, _>>()?;
+        return Extent::around(&extents).ok_or(EditError::NoPart("radio option"));
     }
     let size = size(draft, part)?.ok_or_else(|| unsupported(part, "arranged", ""))?;
     let at: [f64; 2] = required(draft.numbers(part, "at_mm")?)?;

@@ -4,7 +4,7 @@ use super::arrange::prepare;
 use super::draft::Draft;
 use super::error::EditError;
 use super::geometry::{Extent, is_round, required, rotation, set_size, size, unsupported};
-use super::part::{ControlKind, Part};
+use super::part::Part;
 use crate::layout::quantity::{Pitch, Size};
 
 /// A scaling about a point.
@@ -45,20 +45,10 @@ pub(super) fn scale(
 }
 
 fn scale_one(draft: &mut Draft, part: Part, scaling: Scaling) -> Result<(), EditError> {
-    if let Part::Control {
-        board,
-        kind: ControlKind::Radio,
-        index: radio,
-    } = part
-    {
-        return (0..draft.count(part, "options")).try_for_each(|option| {
-            let option = Part::RadioOption {
-                board,
-                radio,
-                option,
-            };
-            scale_one(draft, option, scaling)
-        });
+    if let Some(options) = draft.radio_options(part) {
+        return options
+            .into_iter()
+            .try_for_each(|option| scale_one(draft, option, scaling));
     }
     let Scaling { about, factors } = scaling;
     let old = size(draft, part)?.ok_or_else(|| unsupported(part, "resized", ""))?;
@@ -90,6 +80,7 @@ fn own_factors(rotation_deg: f64, [x, y]: [f64; 2]) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::part::ControlKind;
     use super::*;
     use crate::editing::{Edit, edit};
 
