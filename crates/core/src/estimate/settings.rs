@@ -73,14 +73,11 @@ impl EstimatorSettings {
     pub fn unchecked(smoothing: Smoothing) -> Self {
         Self {
             smoothing,
-            position_smoothing: None,
             limits: None,
             max_speed: None,
             max_gap: Duration::MAX,
             rail_timeout: None,
-            landmarks: LandmarkSettings::default(),
-            rest_pose: JointAngles::default(),
-            learn_ranges: false,
+            ..Self::default()
         }
     }
 }
