@@ -17,6 +17,7 @@ pub use arm_model::{ArmModel, ArmModelError};
 pub use inverse::{IkSolution, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik};
 pub use joint_rotations::sin_cos;
 pub use link::{Link, MAX_LINKS};
+pub use prepared_arm::used_links;
 pub use principal_axis::PrincipalAxis;
 pub use reach::{HandReach, half_bent_fingers, typing_angle};
 

@@ -113,7 +113,7 @@ impl PreparedArm {
 }
 
 /// Returns, for each link, `true` if the pose of a joint or fingertip depends on it.
-fn used_links(links: &[Link]) -> Vec<bool> {
+pub fn used_links(links: &[Link]) -> Vec<bool> {
     let mut is_used = vec![false; links.len()];
     for (index, link) in links.iter().enumerate().rev() {
         is_used[index] |= link.joint.is_some() || link.fingertip.is_some();

@@ -9,7 +9,7 @@ use super::lane_vector::{
 };
 use super::{AllTips, BatchError, LANES, LaneAngles};
 use crate::hand::{Dof, Finger, Joint};
-use crate::kinematics::{ArmModel, Link, MAX_LINKS, PrincipalAxis, sin_cos};
+use crate::kinematics::{ArmModel, Link, MAX_LINKS, PrincipalAxis, sin_cos, used_links};
 
 /// The positions of the fingertips of eight hands in the world, in metres; NaN for a finger that the arm lacks.
 #[derive(Clone, Copy, Debug)]
@@ -108,7 +108,7 @@ enum Offset {
 
 impl LaneArm {
     pub fn new(arm: &ArmModel) -> Result<Self, BatchError> {
-        let links = &used_links(arm.links())[..];
+        let links = &without_unused(arm.links())[..];
         let is_branch = |index: usize| {
             let mut children = (0..links.len()).filter(|at| links[*at].parent == Some(index));
             children.any(|child| child != index + 1)
@@ -217,14 +217,8 @@ impl LaneLink {
 }
 
 /// Returns the links that a joint or fingertip depends on.
-fn used_links(links: &[Link]) -> Vec<Link> {
-    let mut is_used = vec![false; links.len()];
-    for (index, link) in links.iter().enumerate().rev() {
-        is_used[index] |= link.joint.is_some() || link.fingertip.is_some();
-        if let Some(parent) = link.parent {
-            is_used[parent] |= is_used[index];
-        }
-    }
+fn without_unused(links: &[Link]) -> Vec<Link> {
+    let is_used = used_links(links);
     let number = |index: usize| is_used[..index].iter().filter(|is_used| **is_used).count();
     let used = links.iter().zip(&is_used).filter(|(_, is_used)| **is_used);
     used.map(|(link, _)| Link {
