@@ -25,12 +25,7 @@ pub struct HandReach {
 impl ArmModel {
     /// Returns the reach, or `None` if the model lacks the elbow, the wrist or the index fingertip.
     pub fn reach(&self) -> Option<HandReach> {
-        let mut angles = JointAngles::default();
-        for &dof in Dof::ALL {
-            angles.set(dof, typing_angle(dof));
-        }
-        angles.set(Dof::ElbowFlexion, 0.0);
-        let typing = self.forward(&Estimate::new(Timestamp(0), angles));
+        let typing = self.typing_pose();
         let tip = typing.fingertip(Finger::Index)?;
         let half_bent = self.half_bent();
         let index = half_bent.fingertip(Finger::Index)? - half_bent.position(Joint::Wrist)?;
@@ -46,6 +41,16 @@ impl ArmModel {
                 bent_tip.map_or(index, |(bent_tip, wrist)| bent_tip - wrist)
             }),
         })
+    }
+
+    /// Returns the pose in the typing posture with the forearm straight forward, for which layouts are drawn.
+    pub(crate) fn typing_pose(&self) -> HandPose {
+        let mut angles = JointAngles::default();
+        for &dof in Dof::ALL {
+            angles.set(dof, typing_angle(dof));
+        }
+        angles.set(Dof::ElbowFlexion, 0.0);
+        self.forward(&Estimate::new(Timestamp(0), angles))
     }
 
     fn half_bent(&self) -> HandPose {

@@ -4,10 +4,8 @@ use glam::{Mat3, Quat, Vec3};
 use parry3d::math::Pose;
 
 use super::median_position;
-use crate::estimate::{Estimate, JointAngles};
-use crate::hand::{Dof, Joint, JointPositions, Side};
-use crate::kinematics::{ArmModel, typing_angle};
-use crate::time::Timestamp;
+use crate::hand::{Joint, JointPositions, Side};
+use crate::kinematics::ArmModel;
 
 /// The joints of a palm: wrist, then the knuckles of index, middle and little finger.
 const PALM: [Joint; 4] = [
@@ -45,12 +43,7 @@ pub fn measure_palm(readings: &[JointPositions], side: Side) -> Option<Pose> {
 /// Returns the frame of the palm relative to the elbow (`elbow_from_palm`, see [`measure_palm`]) in the typing posture with the forearm
 /// straight forward, for which layouts are drawn. `None` if the model lacks these joints.
 pub fn typing_palm(arm: &ArmModel) -> Option<Pose> {
-    let mut angles = JointAngles::default();
-    for &dof in Dof::ALL {
-        angles.set(dof, typing_angle(dof));
-    }
-    angles.set(Dof::ElbowFlexion, 0.0);
-    let typing = arm.forward(&Estimate::new(Timestamp(0), angles));
+    let typing = arm.typing_pose();
     let elbow = typing.position(Joint::Elbow)?;
     let joints = PALM.map(|joint| typing.position(joint));
     let [Some(wrist), Some(index), Some(middle), Some(little)] = joints else {
