@@ -145,10 +145,31 @@ pub enum ReadError {
 
 /// The first fields of a file, to tell the reason why the others do not fit.
 #[derive(Deserialize)]
-struct Header {
+pub(crate) struct Header {
     format: String,
     format_version: u32,
     program_version: String,
+}
+
+impl Header {
+    /// Checks that version `own` of the program has written the file, in a version of a format.
+    pub(crate) fn check(self, format: &str, version: u32, own: &str) -> Result<(), ReadError> {
+        if self.format != format {
+            return Err(ReadError::NoResult(format!("its format is not `{format}`")));
+        }
+        if self.format_version != version {
+            return Err(ReadError::OtherFormat {
+                found: self.format_version,
+            });
+        }
+        if self.program_version != own {
+            return Err(ReadError::OtherProgram {
+                found: self.program_version,
+                own: own.to_owned(),
+            });
+        }
+        Ok(())
+    }
 }
 
 impl LabResult {
@@ -180,20 +201,7 @@ impl LabResult {
     pub fn from_json(text: &str, own: &str) -> Result<Self, ReadError> {
         let no_result = |error: serde_json::Error| ReadError::NoResult(error.to_string());
         let header: Header = serde_json::from_str(text).map_err(no_result)?;
-        if header.format != FORMAT {
-            return Err(ReadError::NoResult(format!("its format is not `{FORMAT}`")));
-        }
-        if header.format_version != VERSION {
-            return Err(ReadError::OtherFormat {
-                found: header.format_version,
-            });
-        }
-        if header.program_version != own {
-            return Err(ReadError::OtherProgram {
-                found: header.program_version,
-                own: own.to_owned(),
-            });
-        }
+        header.check(FORMAT, VERSION, own)?;
         let result: Self = serde_json::from_str(text).map_err(no_result)?;
         result.check()?;
         Ok(result)

@@ -13,7 +13,7 @@ use std::ops::Range;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::measures::{LabResult, MAX_PEOPLE, Partial, PersonScore, ReadError, summarize};
+use crate::measures::{Header, LabResult, MAX_PEOPLE, Partial, PersonScore, ReadError, summarize};
 use crate::people::Participant;
 use crate::phrases::fnv;
 
@@ -82,13 +82,6 @@ pub enum ShardError {
     /// The plan has no people or no layout.
     #[error("it plans nothing; make another one with `ademan lab plan`")]
     Empty,
-}
-
-#[derive(Deserialize)]
-struct Header {
-    format: String,
-    format_version: u32,
-    program_version: String,
 }
 
 impl Plan {
@@ -222,23 +215,7 @@ impl ShardScores {
 fn read<T: DeserializeOwned>(text: &str, format: &str, own: &str) -> Result<T, ShardError> {
     let unreadable = |error: serde_json::Error| ShardError::Unreadable(error.to_string());
     let header: Header = serde_json::from_str(text).map_err(unreadable)?;
-    if header.format != format {
-        let error = format!("its format is not `{format}`");
-        return Err(ReadError::NoResult(error).into());
-    }
-    if header.format_version != VERSION {
-        return Err(ReadError::OtherFormat {
-            found: header.format_version,
-        }
-        .into());
-    }
-    if header.program_version != own {
-        return Err(ReadError::OtherProgram {
-            found: header.program_version,
-            own: own.to_owned(),
-        }
-        .into());
-    }
+    header.check(format, VERSION, own)?;
     serde_json::from_str(text).map_err(unreadable)
 }
 
