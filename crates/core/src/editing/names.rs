@@ -174,11 +174,7 @@ pub(super) fn mentions(draft: &Draft, names: &BTreeSet<String>) -> Vec<(String, 
         let own = [name.to_owned(), canonical];
         own.into_iter().find(|spelling| names.contains(spelling))
     };
-    let layers = draft
-        .field(Part::Layout, "layers")
-        .map_or(&[][..], Node::items);
-    let layers = layers.iter().map(|item| item.value.in_some(text));
-    let maps = layers
+    let maps = layers(draft)
         .flat_map(|layer| ["keys", "actions"].map(|map| layer.field(text, map)))
         .flatten()
         .chain(draft.field(Part::Layout, "labels"))
@@ -206,14 +202,16 @@ pub(super) fn mentions(draft: &Draft, names: &BTreeSet<String>) -> Vec<(String, 
     mentions
 }
 
+fn layers(draft: &Draft) -> impl Iterator<Item = &Node> {
+    let layers = draft.field(Part::Layout, "layers");
+    let items = layers.map_or(&[][..], Node::items).iter();
+    items.map(move |item| item.value.in_some(draft.text()))
+}
+
 /// Returns the lists of chords: the layout's own, and one for each layer that has chords.
 pub(super) fn chord_lists(draft: &Draft) -> Vec<&Node> {
     let text = draft.text();
-    let layers = draft
-        .field(Part::Layout, "layers")
-        .map_or(&[][..], Node::items);
-    let layers = layers.iter().map(|item| item.value.in_some(text));
-    let of_layers = layers.filter_map(|layer| layer.field(text, "chords"));
+    let of_layers = layers(draft).filter_map(|layer| layer.field(text, "chords"));
     let of_layout = draft.field(Part::Layout, "chords").into_iter();
     of_layout.chain(of_layers).collect()
 }
