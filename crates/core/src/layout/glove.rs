@@ -204,15 +204,19 @@ impl GloveSchema<'_> {
         self.assumed_deg.iter().map(check).collect()
     }
 
+    /// Returns an error if no row has a channel that a field states.
+    fn require_row(&self, field: &str, channel: usize) -> Result<(), String> {
+        if self.rows.iter().any(|row| row.channel.0 == channel) {
+            return Ok(());
+        }
+        Err(format!("`{field}` has channel {channel}, which no row has"))
+    }
+
     /// Returns the calibrated ranges of channels in counts. An error states what is wrong with one.
     fn ranges(&self) -> Result<Vec<(usize, CountRange)>, String> {
         let full_scale = f64::from(self.full_scale_counts.0);
         let check = |(&channel, &(low, high)): (&usize, &CountRange)| {
-            if !self.rows.iter().any(|row| row.channel.0 == channel) {
-                return Err(format!(
-                    "`range_counts` has channel {channel}, which no row has"
-                ));
-            }
+            self.require_row("range_counts", channel)?;
             if 0.0 <= low && low < high && high <= full_scale {
                 Ok((channel, (low, high)))
             } else {
@@ -228,11 +232,7 @@ impl GloveSchema<'_> {
     fn hystereses(&self) -> Result<Vec<(usize, f64)>, String> {
         let limit = MAX_HYSTERESIS * f64::from(self.full_scale_counts.0);
         let check = |(&channel, &counts): (&usize, &f64)| {
-            if !self.rows.iter().any(|row| row.channel.0 == channel) {
-                return Err(format!(
-                    "`hysteresis_counts` has channel {channel}, which no row has"
-                ));
-            }
+            self.require_row("hysteresis_counts", channel)?;
             if (0.0..=limit).contains(&counts) {
                 Ok((channel, counts))
             } else {
@@ -248,11 +248,7 @@ impl GloveSchema<'_> {
     fn curvatures(&self) -> Result<Vec<(usize, f64)>, String> {
         let limit = MAX_CURVATURE * f64::from(self.full_scale_counts.0);
         let check = |(&channel, &counts): (&usize, &f64)| {
-            if !self.rows.iter().any(|row| row.channel.0 == channel) {
-                return Err(format!(
-                    "`curvature_counts` has channel {channel}, which no row has"
-                ));
-            }
+            self.require_row("curvature_counts", channel)?;
             if counts.abs() <= limit {
                 Ok((channel, counts))
             } else {
