@@ -3,6 +3,7 @@
 mod support;
 
 use ademan_text::{Model, Prior};
+use support::arguments::amount;
 use support::baselines::{Flat, Spelling};
 use support::phrases::{abbreviations, phrases, unknown_phrases};
 use support::session::{Errors, Phrase, correct, corrector, decode, nearest, type_into};
@@ -50,12 +51,6 @@ fn measure(
 
 /// The phrases for which limits were measured.
 const SMALL: usize = 60;
-
-/// Returns the number of phrases of a person, or of people: more with `ADEMAN_TEXT_PHRASES` and `ADEMAN_TEXT_PEOPLE`.
-fn amount(name: &str, default: usize) -> usize {
-    let text = std::env::var(name);
-    text.map_or(default, |text| text.parse().expect("a number"))
-}
 
 #[test]
 fn scattered_taps_are_read_with_a_fraction_of_the_errors_of_the_nearest_keys() {

@@ -3,14 +3,9 @@
 mod support;
 
 use ademan_text::Model;
+use support::arguments::amount;
 use support::phrases::phrases;
 use support::swipes::{Hits, NearestShape, measure};
-
-/// Returns the number of phrases, or of people: more with `ADEMAN_TEXT_PHRASES` and `ADEMAN_TEXT_PEOPLE`.
-fn amount(name: &str, default: usize) -> usize {
-    let text = std::env::var(name);
-    text.map_or(default, |text| text.parse().expect("a number"))
-}
 
 #[test]
 fn swiped_words_are_read_with_fewer_errors_than_by_the_nearest_shape() {

@@ -37,3 +37,9 @@ pub fn argument(name: &str) -> Option<String> {
         .skip_while(|argument| argument != name)
         .nth(1)
 }
+
+/// Returns the number of phrases of a person, or of people, of a test: more with `ADEMAN_TEXT_PHRASES` and `ADEMAN_TEXT_PEOPLE`.
+pub fn amount(name: &str, default: usize) -> usize {
+    let text = std::env::var(name);
+    text.map_or(default, |text| text.parse().expect("a number"))
+}
