@@ -43,8 +43,7 @@ impl<'a> NearestText<'a> {
         let Some(nearest) = nearest_target(surface, on_board) else {
             return;
         };
-        let keys = &self.layout.keys;
-        let key = keys.iter().find(|key| key.face.target == nearest);
+        let key = self.layout.key_at(nearest);
         let action = key.and_then(|key| key.actions.first().copied().flatten());
         let letter = match action {
             Some(KeyAction::Multitap(id)) => {
