@@ -245,50 +245,24 @@ fn words(difference: &Difference) -> String {
         };
         format!("{least:.digits$} to {most:.digits$}")
     };
-    let is_more = value > 0.0;
-    let choose = |more: &'static str, fewer: &'static str| if is_more { more } else { fewer };
     let is_clear = difference.interval.excludes_zero();
-    match (difference.measure, is_clear) {
-        (Measure::WordsPerMinute, true) => {
-            format!("is {} words/min {}", range(1), choose("faster", "slower"))
+    let (verb, digits, unit, more, fewer, what) = match difference.measure {
+        Measure::WordsPerMinute => ("is ", 1, "words/min", "faster", "slower", ""),
+        Measure::ErrorPoints => ("makes ", 1, "points", "more", "fewer", " errors"),
+        Measure::Throughput => ("has ", 2, "bit/s", "more", "less", " throughput"),
+        Measure::MissPoints => ("", 1, "points", "more", "fewer", " misses"),
+        Measure::TaskPoints => ("has ", 1, "points", "more", "fewer", " tasks done"),
+        Measure::TaskSeconds if is_clear => ("takes ", 2, "s", "more", "less", " a task"),
+        Measure::TaskSeconds => ("takes ", 2, "s", "more", "less", " time"),
+        Measure::JointTravel | Measure::UncomfortablePoints => {
+            return format!("has {} {}", range(1), difference.measure.name());
         }
-        (Measure::WordsPerMinute, false) => "is not clearly faster or slower".into(),
-        (Measure::ErrorPoints, true) => {
-            format!(
-                "makes {} points {} errors",
-                range(1),
-                choose("more", "fewer")
-            )
-        }
-        (Measure::ErrorPoints, false) => "makes not clearly more or fewer errors".into(),
-        (Measure::Throughput, true) => {
-            format!(
-                "has {} bit/s {} throughput",
-                range(2),
-                choose("more", "less")
-            )
-        }
-        (Measure::Throughput, false) => "has not clearly more or less throughput".into(),
-        (Measure::MissPoints, true) => {
-            format!("{} points {} misses", range(1), choose("more", "fewer"))
-        }
-        (Measure::MissPoints, false) => "not clearly more or fewer misses".into(),
-        (Measure::TaskPoints, true) => {
-            format!(
-                "has {} points {} tasks done",
-                range(1),
-                choose("more", "fewer")
-            )
-        }
-        (Measure::TaskPoints, false) => "has not clearly more or fewer tasks done".into(),
-        (Measure::TaskSeconds, true) => {
-            format!("takes {} s {} a task", range(2), choose("more", "less"))
-        }
-        (Measure::TaskSeconds, false) => "takes not clearly more or less time".into(),
-        (Measure::JointTravel | Measure::UncomfortablePoints, _) => {
-            format!("has {} {}", range(1), difference.measure.name())
-        }
+    };
+    if !is_clear {
+        return format!("{verb}not clearly {more} or {fewer}{what}");
     }
+    let more_or_fewer = if value > 0.0 { more } else { fewer };
+    format!("{verb}{} {unit} {more_or_fewer}{what}", range(digits))
 }
 
 impl fmt::Display for Comparison {
