@@ -1,7 +1,5 @@
 //! Two layouts with the same people, phrases and seeds.
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
 
 use super::bootstrap::{Interval, bootstrap};
@@ -263,12 +261,6 @@ fn words(difference: &Difference) -> String {
     }
     let more_or_fewer = if value > 0.0 { more } else { fewer };
     format!("{verb}{} {unit} {more_or_fewer}{what}", range(digits))
-}
-
-impl fmt::Display for Comparison {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.verdict())
-    }
 }
 
 #[cfg(test)]
