@@ -39,7 +39,7 @@ pub use linearity::Linearity;
 pub use one_euro::{OneEuroFilter, OneEuroSettings};
 pub use plausibility::Implausible;
 pub use position_filter::{LANDMARK_SMOOTHING, MARKER_SMOOTHING};
-pub use settings::{EstimatorSettings, LandmarkSettings};
+pub use settings::EstimatorSettings;
 pub use smoothing::Smoothing;
 pub use zero::{ZeroError, Zeroed};
 

@@ -20,34 +20,12 @@ pub struct EstimatorSettings {
     /// The time for which a channel may stay at one end of its range before its fingers are untrusted, as with a broken
     /// wire or a short circuit; `None` disables the check.
     pub rail_timeout: Option<Duration>,
-    /// The trust in landmarks.
-    pub landmarks: LandmarkSettings,
     /// The angles of the hand at rest, in radians, to which [zeroing](super::Estimator::zero) returns. Angles that are not
     /// known are not zeroed.
     pub rest_pose: JointAngles,
     /// `true` to widen the calibrated ranges of finger sensors that go beyond them; see
     /// [`with_ranges`](super::ChannelMap::with_ranges).
     pub learn_ranges: bool,
-}
-
-/// The trust in landmarks with confidences.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LandmarkSettings {
-    /// The lowest confidence of a landmark that is used, 0..=1.
-    pub min_confidence: f32,
-    /// The time for which an arm keeps its last pose when its landmarks are not trusted. After that it is lost, and its
-    /// fingers release everything.
-    pub hold: Duration,
-}
-
-impl Default for LandmarkSettings {
-    /// The lowest confidence that the tasks of MediaPipe accept by default, and three frames of a camera.
-    fn default() -> Self {
-        Self {
-            min_confidence: 0.5,
-            hold: Duration::from_millis(100),
-        }
-    }
 }
 
 impl Default for EstimatorSettings {
@@ -61,7 +39,6 @@ impl Default for EstimatorSettings {
             max_speed: Some(40.0),
             max_gap: Duration::from_millis(500),
             rail_timeout: Some(Duration::from_secs(1)),
-            landmarks: LandmarkSettings::default(),
             rest_pose: JointAngles::default(),
             learn_ranges: false,
         }

@@ -7,6 +7,7 @@ use parry3d::math::Vec3;
 
 use super::body_angles::BodyAngles;
 use super::body_points::SeenPoints;
+use super::{LANDMARK_HOLD, MIN_CONFIDENCE};
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks};
 use crate::estimate::arm_attributes::{
     ArmAttributes, ArmAttributesError, HALF_POSE_ROWS, HalfPose, shoulder_basis,
@@ -71,7 +72,7 @@ impl BodyConverter {
         }
         let (angles, inputs) = (&mut self.angles, &mut estimate.inputs);
         angles.write(body, settings, estimate.time, inputs);
-        if confidence(body, side) >= settings.landmarks.min_confidence {
+        if confidence(body, side) >= MIN_CONFIDENCE {
             let was_lost = self.held.as_ref().is_some_and(|held| held.is_lost);
             let pose = half_pose(body);
             let frame = ArmFrame::new(&pose, side)?;
@@ -85,7 +86,7 @@ impl BodyConverter {
             self.points.hold(settings, estimate.time);
             match &mut self.held {
                 Some(held) => {
-                    held.is_lost |= estimate.time.since(held.time) > settings.landmarks.hold;
+                    held.is_lost |= estimate.time.since(held.time) > LANDMARK_HOLD;
                     held.write(estimate);
                 }
                 None if estimate.inputs.has_angles() => {

@@ -19,6 +19,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
+use super::{LANDMARK_HOLD, MIN_CONFIDENCE};
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks};
 use crate::estimate::one_euro::OneEuroFilter;
 use crate::estimate::{EstimatorSettings, Smoothing};
@@ -61,7 +62,7 @@ impl BodyAngles {
         time: Timestamp,
         values: &mut InputValues,
     ) {
-        let seen = SeenBody::new(body, settings.landmarks.min_confidence);
+        let seen = SeenBody::new(body);
         for (&angle, tracked) in BodyAngle::ALL.iter().zip(&mut self.angles) {
             match seen.angle(angle) {
                 Some(radians) => match tracked {
@@ -69,8 +70,7 @@ impl BodyAngles {
                     None => *tracked = Some(Tracked::new(radians, time, settings)),
                 },
                 None => {
-                    let hold = settings.landmarks.hold;
-                    tracked.take_if(|tracked| time.since(tracked.seen_at) > hold);
+                    tracked.take_if(|tracked| time.since(tracked.seen_at) > LANDMARK_HOLD);
                 }
             }
             if let Some(tracked) = tracked {
@@ -114,12 +114,12 @@ impl Tracked {
 struct SeenBody([Option<DVec3>; BODY_LANDMARKS]);
 
 impl SeenBody {
-    fn new(body: &BodyLandmarks, min_confidence: f32) -> Self {
+    fn new(body: &BodyLandmarks) -> Self {
         Self(std::array::from_fn(|index| {
             let landmark = body.points.get(index)?;
             let [x, y, z] = landmark.position;
             let position = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-            (landmark.confidence >= min_confidence && position.is_finite()).then_some(position)
+            (landmark.confidence >= MIN_CONFIDENCE && position.is_finite()).then_some(position)
         }))
     }
 

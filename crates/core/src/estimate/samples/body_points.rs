@@ -3,6 +3,7 @@
 use glam::DVec3;
 use parry3d::math::Vec3;
 
+use super::{LANDMARK_HOLD, MIN_CONFIDENCE};
 use crate::capture::body::BodyLandmarks;
 use crate::estimate::EstimatorSettings;
 use crate::estimate::one_euro::OneEuroFilter;
@@ -49,7 +50,7 @@ impl SeenPoints {
             let landmark = body.points.get(landmark)?;
             let [x, y, z] = landmark.position;
             let position = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-            let is_seen = landmark.confidence >= settings.landmarks.min_confidence;
+            let is_seen = landmark.confidence >= MIN_CONFIDENCE;
             (is_seen && position.is_finite()).then(|| frame(position).as_dvec3())
         };
         let head = seen(EARS[0]).zip(seen(EARS[1]));
@@ -83,8 +84,7 @@ fn update(
         (Some(tracked), Some(position)) => tracked.update(position, settings, time),
         (None, Some(position)) => *tracked = Some(Tracked::new(position, settings, time)),
         (_, None) => {
-            let hold = settings.landmarks.hold;
-            tracked.take_if(|tracked| time.since(tracked.seen_at) > hold);
+            tracked.take_if(|tracked| time.since(tracked.seen_at) > LANDMARK_HOLD);
         }
     }
 }

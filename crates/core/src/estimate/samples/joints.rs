@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::LANDMARK_HOLD;
 use crate::estimate::{Estimate, EstimatorSettings, MeasuredJoints, Rejection, hand_angles};
 use crate::hand::{Finger, FingerSet, Joint, JointAngles, JointPositions, Side};
 use crate::time::Timestamp;
@@ -45,7 +46,7 @@ impl JointConverter {
     /// A joint that is hidden keeps its last position. A finger whose tip is hidden or predicted is untrusted, and so are all fingers
     /// once an elbow or wrist that was seen before has been hidden for 200 ms.
     ///
-    /// A sample without positions is of a hand that is not seen: it keeps its pose for the hold time of the settings. After
+    /// A sample without positions is of a hand that is not seen: it keeps its pose for the hold time. After
     /// that it is lost: its fingers are untrusted, so that they press nothing, until it is seen again.
     pub(super) fn convert(
         &mut self,
@@ -55,7 +56,7 @@ impl JointConverter {
         estimate: &mut Estimate,
     ) -> Result<(), Rejection> {
         if positions.is_empty() {
-            return self.hold(settings.landmarks.hold, estimate);
+            return self.hold(estimate);
         }
         for (_, position) in positions.known() {
             if !position.is_finite() {
@@ -88,9 +89,9 @@ impl JointConverter {
     }
 
     /// Repeats the hand that was seen last.
-    fn hold(&mut self, hold: Duration, estimate: &mut Estimate) -> Result<(), Rejection> {
+    fn hold(&mut self, estimate: &mut Estimate) -> Result<(), Rejection> {
         let held = self.held.as_mut().ok_or(Rejection::LowConfidence)?;
-        held.is_lost |= estimate.time.since(held.time) > hold;
+        held.is_lost |= estimate.time.since(held.time) > LANDMARK_HOLD;
         estimate.angles = held.angles;
         estimate.measured = self.last;
         estimate.untrusted = if held.is_lost {
@@ -185,7 +186,7 @@ mod tests {
     fn a_hand_that_is_not_seen_is_held_then_lost_and_its_way_back_is_unknown() {
         let mut converter = JointConverter::default();
         let settings = EstimatorSettings::unchecked(Smoothing::Off);
-        let hold = settings.landmarks.hold.as_millis() as u64;
+        let hold = LANDMARK_HOLD.as_millis() as u64;
         let mut convert = |milliseconds: u64, joints: &[(Joint, DVec3)]| {
             let mut estimate = estimate_at(milliseconds);
             let sample = sample(joints);

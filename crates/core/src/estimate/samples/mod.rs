@@ -11,10 +11,20 @@ mod displacement;
 mod joints;
 
 pub(super) use self::channels::ChannelConverter;
+
+use std::time::Duration;
+
 use super::plausibility::Plausibility;
 use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
 use crate::capture::{Reading, Sample};
 use crate::hand::{BodyPoints, JointAngles, Side};
+
+/// The lowest confidence of a landmark that is used, 0..=1: the lowest that the tasks of MediaPipe accept by default.
+const MIN_CONFIDENCE: f32 = 0.5;
+
+/// The time for which an arm keeps its last pose when its landmarks are not trusted: three frames of a camera. After that it is
+/// lost, and its fingers release everything.
+const LANDMARK_HOLD: Duration = Duration::from_millis(100);
 
 /// The converter of one hand, with the state that the kinds of samples need.
 #[derive(Clone, Debug)]
