@@ -50,19 +50,9 @@ impl Miss {
 impl TypingHand {
     /// Returns the path of a tap on the center of a target. The error is the way by which the target is out of reach.
     pub fn tap_path(&self, scene: &Scene, target: TargetId) -> Result<TapPath, Miss> {
-        self.tap_path_at(scene, target, Vec2::ZERO)
-    }
-
-    /// Like [`tap_path`](Self::tap_path), at `offset` from the center along the X and Y of the target, in metres.
-    pub fn tap_path_at(
-        &self,
-        scene: &Scene,
-        target: TargetId,
-        offset: Vec2,
-    ) -> Result<TapPath, Miss> {
         let reach_target = self.reach_target(scene, target);
         let reach_target = reach_target.ok_or(Miss::NO_POSITION)?;
-        let tip = |height| reach_target.tip_position(TargetPoint { target, offset }, height);
+        let tip = |height| reach_target.tip_position(TargetPoint::center(target), height);
         let path = TapPath {
             hover: tip(reach_target.hover_height),
             bottom: tip(reach_target.bottom_height),
