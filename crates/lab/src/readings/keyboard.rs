@@ -98,15 +98,8 @@ fn character(action: KeyAction) -> Option<char> {
 
 /// Returns the characters that one tap of a multitap key may mean: its letters, or its first sign.
 fn letters(layout: &Layout, id: MultitapId) -> Vec<char> {
-    let Some(key) = layout.multitaps.keys.get(usize::from(id.0)) else {
-        return Vec::new();
-    };
-    let characters = key.letters.iter().copied().filter_map(character);
-    if key.has_word_letters() {
-        characters.filter(|letter| letter.is_alphabetic()).collect()
-    } else {
-        characters.take(1).collect()
-    }
+    let key = layout.multitaps.keys.get(usize::from(id.0));
+    key.map_or(Vec::new(), |key| key.characters_of_tap(character))
 }
 
 /// Adds a character to a text; a Backspace removes the last one.

@@ -269,15 +269,8 @@ fn characters(layout: &Layout, action: Option<KeyAction>, shares_keys: bool) -> 
     let Some(KeyAction::Multitap(MultitapId(index))) = action.filter(|_| shares_keys) else {
         return action.and_then(single).into_iter().collect();
     };
-    let Some(multitap) = layout.multitaps.keys.get(usize::from(index)) else {
-        return Vec::new();
-    };
-    let characters = multitap.letters.iter().copied().filter_map(single);
-    if multitap.has_word_letters() {
-        characters.filter(|letter| letter.is_alphabetic()).collect()
-    } else {
-        characters.take(1).collect()
-    }
+    let multitap = layout.multitaps.keys.get(usize::from(index));
+    multitap.map_or(Vec::new(), |key| key.characters_of_tap(single))
 }
 
 /// The labels of keys whose character joins the next one, such as the accent of `á`.

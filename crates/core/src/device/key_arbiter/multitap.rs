@@ -27,6 +27,17 @@ impl Multitap {
         let mut first = self.letters.iter().take(2);
         self.letters.len() > 1 && first.all(|letter| letter.types_letter())
     }
+
+    /// Returns the characters that one tap may mean if a text decoder finds the letters: all letters of a key of letters, or else the
+    /// first sign. `character` returns the character of an action.
+    pub fn characters_of_tap(&self, character: impl Fn(KeyAction) -> Option<char>) -> Vec<char> {
+        let characters = self.letters.iter().copied().filter_map(character);
+        if self.has_word_letters() {
+            characters.filter(|letter| letter.is_alphabetic()).collect()
+        } else {
+            characters.take(1).collect()
+        }
+    }
 }
 
 /// The index of a list of letters in the list of the [`KeyArbiter`].
