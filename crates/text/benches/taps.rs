@@ -1,6 +1,7 @@
-//! The time from a tap to its candidates, in one run beside two references for the last five taps: the nearest word of the same length
-//! in the flat list, by the same distances, which needs no search over errors; and the first suggestion of SymSpell within two
-//! edits of the nearest keys, which sees no positions. Then the time from the end of a swipe to its candidates.
+//! The time from a tap to its candidates, in one run beside three references for the last five taps: the nearest word of the same length
+//! in the flat list, by the same distances, which needs no search over errors; the first suggestion of SymSpell within two
+//! edits of the nearest keys, which sees no positions; and a search of the word with the weights of LatinIME. Then the time from the
+//! end of a swipe to its candidates.
 //!
 //! Run with `cargo bench -p ademan-text`; prints microseconds and ratios. `cargo test --bench taps` runs it once, with few taps.
 
@@ -14,6 +15,7 @@ use std::time::{Duration, Instant};
 
 use ademan_text::{Decoder, Model, Options, Prior, Tap, TouchModel};
 use support::baselines::Spelling;
+use support::latin_ime::LatinIme;
 use support::session::nearest;
 use support::simulated::{Person, TIERS, keyboard};
 use support::swipes::{NearestShape, Swiper};
@@ -73,6 +75,7 @@ fn main() {
     let words = flat_words(&model);
     let centers: Vec<[f32; 2]> = keyboard().keys().iter().map(|key| key.center).collect();
     let spelling = Spelling::new(&model);
+    let latin_ime = LatinIme::new(model.word_list(), &keyboard());
     println!("{} words", words.len());
     for tier in TIERS {
         let mut decoder = Decoder::new(
@@ -83,7 +86,7 @@ fn main() {
         );
         let mut person = Person::new(tier, 5);
         let (mut taps, mut reads) = (Vec::new(), Vec::new());
-        let (mut flats, mut spelled) = (Vec::new(), Vec::new());
+        let (mut flats, mut spelled, mut searched) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..rounds {
             let phrase = person.types(TEXT);
             for (index, &tap) in phrase.taps.iter().enumerate() {
@@ -100,15 +103,19 @@ fn main() {
                 let spelling_started = Instant::now();
                 black_box(spelling.read(black_box(&text)));
                 spelled.push(spelling_started.elapsed());
+                let search_started = Instant::now();
+                black_box(latin_ime.word(black_box(word)));
+                searched.push(search_started.elapsed());
             }
             decoder.commit();
         }
         let reference = percentile(&mut flats, 0.5);
         let [symspell, symspell_slow] = [0.5, 0.99].map(|share| percentile(&mut spelled, share));
+        let [latin, latin_slow] = [0.5, 0.99].map(|share| percentile(&mut searched, share));
         let [tap, read] =
             [&mut taps, &mut reads].map(|times| [0.5, 0.99].map(|share| percentile(times, share)));
         println!(
-            "{}: tap p50 {:.1} µs p99 {:.1} µs, with candidates p50 {:.1} µs p99 {:.1} µs; flat list p50 {reference:.1} µs, SymSpell p50 {symspell:.1} µs p99 {symspell_slow:.1} µs, ratios {:.3} {:.3}",
+            "{}: tap p50 {:.1} µs p99 {:.1} µs, with candidates p50 {:.1} µs p99 {:.1} µs; flat list p50 {reference:.1} µs, SymSpell p50 {symspell:.1} µs p99 {symspell_slow:.1} µs, LatinIME p50 {latin:.1} µs p99 {latin_slow:.1} µs, ratios {:.3} {:.3} {:.3}",
             tier.name,
             tap[0],
             tap[1],
@@ -116,6 +123,7 @@ fn main() {
             read[1],
             read[0] / reference,
             read[0] / symspell,
+            read[0] / latin,
         );
     }
     swipes(&model, rounds);

@@ -9,6 +9,7 @@ mod support;
 use ademan_text::{Keyboard, Model, Prior};
 use support::arguments::{Sample, argument};
 use support::baselines::{Flat, Spelling};
+use support::latin_ime::LatinIme;
 use support::phrases::{abbreviations, phrases, unknown_phrases, words};
 use support::session::{Errors, Phrase, correct, decode, nearest, normal, read};
 use support::simulated::{Person, TIERS, Tier, keyboard};
@@ -33,6 +34,7 @@ struct Measured {
     nearest: ByPhrase,
     spelling: ByPhrase,
     flat: ByPhrase,
+    latin_ime: ByPhrase,
     shown: ByPhrase,
     best: ByPhrase,
     corrected: ByPhrase,
@@ -88,6 +90,7 @@ impl Bench<'_> {
             nearest: fresh(),
             spelling: fresh(),
             flat: fresh(),
+            latin_ime: fresh(),
             shown: fresh(),
             best: fresh(),
             corrected: fresh(),
@@ -95,6 +98,7 @@ impl Bench<'_> {
         };
         let spelling = (!self.is_tuning).then(|| Spelling::new(&self.model));
         let flat = Flat::new(&self.model, &self.keyboard, tier.scatter);
+        let latin_ime = LatinIme::new(self.model.word_list(), &self.keyboard);
         for seed in self.seeds.clone() {
             let mut person = Person::new(tier, seed);
             let typed: Vec<Phrase> = self
@@ -121,6 +125,7 @@ impl Bench<'_> {
                 measured.kinds.add(&self.model, meant, &naive, &text.shown);
                 if let Some(spelling) = &spelling {
                     measured.spelling.0[index].add(meant, &spelling.read(&naive));
+                    measured.latin_ime.0[index].add(meant, &latin_ime.read(phrase));
                     // Slow, and as bad for one person as for many.
                     if seed == self.seeds.start {
                         measured.flat.0[index].add(meant, &flat.read(phrase));
@@ -133,14 +138,15 @@ impl Bench<'_> {
 
     fn characters(&self, measured: &[Measured]) {
         println!(
-            "| tier | nearest key | SymSpell | flat lexicon | decoded | in the text field | divided by | goal |"
+            "| tier | nearest key | SymSpell | flat lexicon | LatinIME | decoded | in the text field | divided by | goal |"
         );
-        println!("|---|---|---|---|---|---|---|---|");
+        println!("|---|---|---|---|---|---|---|---|---|");
         for ((tier, row), goal) in TIERS.iter().zip(measured).zip(GOALS) {
             let plain = row.nearest.total().cer();
-            let [spelling, flat] = [&row.spelling, &row.flat].map(|errors| errors.total().cer());
+            let [spelling, flat, latin_ime] =
+                [&row.spelling, &row.flat, &row.latin_ime].map(|errors| errors.total().cer());
             println!(
-                "| {} | {plain:.2} | {spelling:.2} | {flat:.2} | {} | {} | {:.1} | {goal} |",
+                "| {} | {plain:.2} | {spelling:.2} | {flat:.2} | {latin_ime:.2} | {} | {} | {:.1} | {goal} |",
                 tier.name,
                 cell(&row.shown, Errors::cer),
                 cell(&row.corrected, Errors::cer),

@@ -2,12 +2,13 @@
 
 mod support;
 
-use ademan_text::{Model, Prior};
+use ademan_text::{Model, Prior, Tap};
 use support::arguments::amount;
 use support::baselines::{Flat, Spelling};
+use support::latin_ime::LatinIme;
 use support::phrases::{abbreviations, phrases, unknown_phrases};
 use support::session::{Errors, Phrase, correct, corrector, decode, nearest, type_into};
-use support::simulated::{Person, TIERS, Tier, keyboard};
+use support::simulated::{PITCH, Person, TIERS, Tier, keyboard};
 
 /// The errors of the four ways to read the same taps.
 #[derive(Default)]
@@ -47,6 +48,48 @@ fn measure(
         }
     }
     measured
+}
+
+/// Returns taps in the middle of the keys of a text, moved to the right by a share of a key.
+fn taps_on_keys(text: &str, share: f32) -> Phrase {
+    let keyboard = keyboard();
+    let tap = |character: char| {
+        let key = keyboard.index(character).expect("a key");
+        let [x, y] = keyboard.keys()[key].center;
+        Tap::at(x + share * PITCH, y)
+    };
+    Phrase {
+        meant: text.to_owned(),
+        taps: text.chars().map(tap).collect(),
+        space: None,
+    }
+}
+
+#[test]
+fn the_weights_of_latin_ime_find_a_word_with_one_error_of_each_kind() {
+    // Words that are long and unlike the others give the costs of the others their scale.
+    let words: [(&str, f32); 5] = [
+        ("zzzzzzzz", -1.0),
+        ("the", -9.0),
+        ("quick", -9.5),
+        ("fox", -10.0),
+        ("xxxxxxxxxx", -11.0),
+    ];
+    let list = words.map(|(word, log_probability)| (word.to_owned(), log_probability));
+    let reference = LatinIme::new(list.into(), &keyboard());
+    for (typed, share, expected) in [
+        ("the quick fox", 0.0, "the quick fox"),
+        ("fox", 0.45, "fox"),
+        ("the quik fox", 0.0, "the quick fox"),
+        ("the quiick fox", 0.0, "the quick fox"),
+        ("the qucik fox", 0.0, "the quick fox"),
+        ("the quack fox", 0.0, "the quick fox"),
+        ("thequick fox", 0.0, "the quick fox"),
+    ] {
+        let read = reference.read(&taps_on_keys(typed, share));
+        assert_eq!(read, expected, "{typed}");
+    }
+    assert_eq!(LatinIme::new(Vec::new(), &keyboard()).word(&[]), None);
 }
 
 /// The phrases for which limits were measured.

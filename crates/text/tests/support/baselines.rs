@@ -56,26 +56,38 @@ impl Flat {
 
     /// Reads a phrase: words end where the nearest key is no letter.
     pub fn read(&self, phrase: &Phrase) -> String {
-        let text = super::session::nearest(&self.keyboard, &phrase.taps);
-        let characters: Vec<char> = text.chars().collect();
-        let mut read = String::new();
-        let mut start = 0;
-        for end in 0..=characters.len() {
-            let ends = characters
-                .get(end)
-                .is_none_or(|&last| !last.is_alphabetic() && last != '\'');
-            if !ends {
-                continue;
-            }
-            if end > start {
-                let nearest: String = characters[start..end].iter().collect();
-                read.push_str(&self.word(&phrase.taps[start..end], &nearest));
-            }
-            read.extend(characters.get(end));
-            start = end + 1;
-        }
-        read
+        read_words(&self.keyboard, phrase, |taps, nearest| {
+            self.word(taps, nearest)
+        })
     }
+}
+
+/// Reads a phrase word by word with `word`, which gets the taps of a word and the text of the nearest keys. Words end where the nearest
+/// key is no letter.
+pub fn read_words(
+    keyboard: &Keyboard,
+    phrase: &Phrase,
+    word: impl Fn(&[Tap], &str) -> String,
+) -> String {
+    let text = super::session::nearest(keyboard, &phrase.taps);
+    let characters: Vec<char> = text.chars().collect();
+    let mut read = String::new();
+    let mut start = 0;
+    for end in 0..=characters.len() {
+        let ends = characters
+            .get(end)
+            .is_none_or(|&last| !last.is_alphabetic() && last != '\'');
+        if !ends {
+            continue;
+        }
+        if end > start {
+            let nearest: String = characters[start..end].iter().collect();
+            read.push_str(&word(&phrase.taps[start..end], &nearest));
+        }
+        read.extend(characters.get(end));
+        start = end + 1;
+    }
+    read
 }
 
 /// SymSpell, an edit distance of at most 2.

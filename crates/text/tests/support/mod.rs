@@ -24,5 +24,6 @@ pub mod session;
 pub mod simulated;
 pub mod baselines;
 pub mod field;
+pub mod latin_ime;
 pub mod statistics;
 pub mod swipes;
