@@ -172,7 +172,7 @@ impl FuzzSetup {
             arm_immediately: plan.armed,
             // The decoder of a layout without letters is none.
             text: Some(TextSetup {
-                mode: TextModeSetup::Auto,
+                mode: Some(TextModeSetup::Auto),
                 ..TextSetup::default()
             }),
             ..Setup::default()

@@ -428,7 +428,7 @@ fn a_layout_change_neither_allocates_nor_frees_in_the_loop() {
 fn corrections_and_candidates_do_not_allocate() {
     let setup = Setup {
         text: Some(TextSetup {
-            mode: TextModeSetup::Auto,
+            mode: Some(TextModeSetup::Auto),
             ..TextSetup::default()
         }),
         ..Setup::default()

@@ -46,7 +46,7 @@ fn a_word_with_an_accent_is_found_where_the_output_has_none() {
     let setup = Setup {
         layout: "phone-pad".into(),
         text: Some(TextSetup {
-            mode: TextModeSetup::Auto,
+            mode: Some(TextModeSetup::Auto),
             language: "es".into(),
             ..TextSetup::default()
         }),

@@ -15,7 +15,7 @@ pub fn setup(layout: &str, mode: Option<TextModeSetup>) -> LoadedSetup {
     let setup = Setup {
         layout: layout.into(),
         text: mode.map(|mode| TextSetup {
-            mode,
+            mode: Some(mode),
             ..TextSetup::default()
         }),
         ..Setup::default()
@@ -63,7 +63,7 @@ fn the_rest_of_a_word_behind_a_swiped_word_that_cannot_be_typed_is_not_corrected
     let setup = Setup {
         layout: "qwerty-swipe".into(),
         text: Some(TextSetup {
-            mode: TextModeSetup::Auto,
+            mode: Some(TextModeSetup::Auto),
             language: "es".into(),
             ..TextSetup::default()
         }),

@@ -1,9 +1,12 @@
 //! The text decoder in the whole pipeline: a simulated hand types with it, under the oracle.
 
+use std::path::Path;
+
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::command::{Command, CommandOrigin, TextMode};
 use ademan::device::{EventKind, Events};
 use ademan::document::Document;
+use ademan::layout::Layout;
 use ademan::pipeline::{CommandError, SourceRole};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::sim::UsTextField;
@@ -15,7 +18,7 @@ use crate::support::wearer::load_layout;
 fn setup(text: Option<TextModeSetup>) -> LoadedSetup {
     let setup = Setup {
         text: text.map(|mode| TextSetup {
-            mode,
+            mode: Some(mode),
             ..TextSetup::default()
         }),
         ..Setup::default()
@@ -252,7 +255,7 @@ fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
     let typed = |output: &str| {
         let setup = Setup {
             text: Some(TextSetup {
-                mode: TextModeSetup::Auto,
+                mode: Some(TextModeSetup::Auto),
                 language: "es".into(),
                 ..TextSetup::default()
             }),
@@ -276,7 +279,7 @@ fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
 fn the_rest_of_a_word_behind_a_candidate_that_cannot_be_typed_is_not_corrected() {
     let setup = Setup {
         text: Some(TextSetup {
-            mode: TextModeSetup::Auto,
+            mode: Some(TextModeSetup::Auto),
             language: "es".into(),
             ..TextSetup::default()
         }),
@@ -306,7 +309,7 @@ fn the_rest_of_a_word_behind_a_candidate_that_cannot_be_typed_is_not_corrected()
 fn a_language_or_letters_that_are_missing_leave_keys_as_they_are() {
     let load = |language: &str, layout: &str| {
         let text = TextSetup {
-            mode: TextModeSetup::Auto,
+            mode: Some(TextModeSetup::Auto),
             language: language.into(),
             ..TextSetup::default()
         };
@@ -348,13 +351,89 @@ fn a_language_or_letters_that_are_missing_leave_keys_as_they_are() {
     assert_eq!(load("es", "qwerty-flat"), (true, None));
 }
 
+/// Writes a layout that comes with the program with a further field, and returns the path.
+fn write_layout(folder: &Path, name: &str, field: &str) -> String {
+    let path = folder.join(format!("{name}.ron"));
+    let layout = Document::shipped(name).unwrap().text;
+    let boards = format!("{field}, boards:");
+    std::fs::write(&path, layout.replacen("boards:", &boards, 1)).unwrap();
+    path.display().to_string()
+}
+
+#[test]
+fn the_mode_of_a_layout_counts_where_the_person_states_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = write_layout(folder.path(), "qwerty-flat", "text: Auto");
+    let line = "teh quikc brown fox ";
+    let typed = |text: Option<TextSetup>| {
+        let setup = Setup {
+            layout: path.clone(),
+            text,
+            ..Setup::default()
+        };
+        let loaded = setup.load_files().expect("a layout");
+        play(&loaded, typist(&loaded, line, 0.0, 0), |_, _, _| {}).text
+    };
+    let corrected = "the quick brown fox ";
+    assert_eq!(typed(None), corrected);
+    assert_eq!(typed(Some(TextSetup::default())), corrected);
+    let literal = TextSetup {
+        mode: Some(TextModeSetup::Literal),
+        ..TextSetup::default()
+    };
+    assert_eq!(typed(Some(literal)), line);
+}
+
+#[test]
+fn the_mode_of_a_layout_without_letters_changes_nothing_and_a_message_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let load = |field: &str| {
+        let setup = Setup {
+            layout: write_layout(folder.path(), "numpad", field),
+            ..Setup::default()
+        };
+        setup.load_files().expect("it runs all the same")
+    };
+    let auto = load("text: Auto");
+    assert!(auto.pipeline().text_state().is_none());
+    let note = auto.text_note().expect("a message");
+    assert!(note.contains("no layout has letters"), "{note}");
+    let literal = load("text: Literal");
+    assert_eq!(literal.setup.text, None);
+    assert_eq!(literal.text_note(), None);
+}
+
+#[test]
+fn a_layout_states_its_mode_in_words() {
+    let layout = |field: &str| {
+        let text = format!(
+            "Layout(name: \"a\", {field}boards: [(pose: (anchor: elbow), keys: [(code: \"A\", at_mm: (0, 0))])])"
+        );
+        Layout::parse(&text, "a.ron")
+    };
+    let modes = ["", "text: Literal, ", "text: Suggest, ", "text: Auto, "];
+    assert_eq!(
+        modes.map(|field| layout(field).expect("a layout").text_mode),
+        [
+            None,
+            Some(TextMode::Literal),
+            Some(TextMode::Suggest),
+            Some(TextMode::Auto)
+        ]
+    );
+    let error = layout("text: Automatic, ")
+        .expect_err("no mode")
+        .to_string();
+    assert!(error.contains("Automatic"), "{error}");
+}
+
 #[test]
 fn a_multitap_key_replaces_its_letter_and_takes_no_correction_back() {
     let layout = Document::shipped("qwerty-flat").unwrap().text;
     let key = "keys: [(action: Multitap(\"Period Comma\"), name: \"signs\", at_mm: (0, 60)),";
     let setup = Setup {
         text: Some(TextSetup {
-            mode: TextModeSetup::Auto,
+            mode: Some(TextModeSetup::Auto),
             ..TextSetup::default()
         }),
         ..Setup::default()

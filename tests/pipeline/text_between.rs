@@ -21,7 +21,7 @@ fn load(mode: TextModeSetup) -> LoadedSetup {
             layout: "qwerty-flat".into(),
         }],
         text: Some(TextSetup {
-            mode,
+            mode: Some(mode),
             ..TextSetup::default()
         }),
         ..Setup::default()

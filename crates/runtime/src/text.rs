@@ -16,8 +16,9 @@ schema! {
     #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
     #[serde(rename = "Text", default, deny_unknown_fields)]
     pub struct TextSetup {
-        /// The mode at the start.
-        pub mode: TextModeSetup,
+        /// The mode at the start. Default: the mode of the layout, or `Literal`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub mode: Option<TextModeSetup>,
         /// The language: `en` or `es`, or the path of a model that ends in `.adm`.
         pub language: String,
         /// Types letters that no key types, such as `ó`, if the output can write text.
@@ -63,10 +64,10 @@ impl From<TextMode> for TextModeSetup {
 }
 
 impl Default for TextSetup {
-    /// English, nothing changed.
+    /// English, in the modes of the layouts.
     fn default() -> Self {
         Self {
-            mode: TextModeSetup::Literal,
+            mode: None,
             language: "en".to_owned(),
             accents: true,
             learned: None,
@@ -86,7 +87,7 @@ impl TextChoice {
     pub fn applied_to(&self, before: Option<TextSetup>) -> TextSetup {
         let before = before.unwrap_or_default();
         TextSetup {
-            mode: self.mode,
+            mode: Some(self.mode),
             language: self.language.clone().unwrap_or(before.language),
             ..before
         }
@@ -130,7 +131,7 @@ mod tests {
             choice.applied_to(Some(before.clone()))
         };
         let expected = TextSetup {
-            mode: TextModeSetup::Auto,
+            mode: Some(TextModeSetup::Auto),
             ..before.clone()
         };
         assert_eq!(applied("auto"), expected);

@@ -117,6 +117,9 @@ fn print(file: &str, outcome: &Result<Checked, DocumentError>) -> Result<(), Fai
         };
         writeln!(io::stdout(), "  {name}{steps}")?;
     }
+    if let Some(mode) = layout.text_mode {
+        writeln!(io::stdout(), "  text decoder: {mode}")?;
+    }
     for warning in warnings {
         complain!("warning: {file}: {warning}");
     }

@@ -99,7 +99,7 @@ fn a_click_takes_a_candidate_of_the_decoder() {
         ..Opening::on_layout("qwerty-flat")
     };
     opening.setup.text = Some(TextSetup {
-        mode: TextModeSetup::Suggest,
+        mode: Some(TextModeSetup::Suggest),
         language: "es".into(),
         ..TextSetup::default()
     });

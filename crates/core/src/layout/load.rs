@@ -16,7 +16,7 @@ use super::quantity::{
 };
 use super::schema::{
     AnchorSchema, AutoRecenterSchema, BoardShapeSchema, ContactSchema, GapsSchema, Label,
-    OutlineSchema, PoseSchema, PressSchema,
+    OutlineSchema, PoseSchema, PressSchema, TextModeSchema,
 };
 use super::sequences::{StepSchema, build_sequence};
 use super::signals::SignalSchema;
@@ -57,6 +57,9 @@ schema! {
         /// Maximum time between two taps of a multitap key that choose one letter.
         #[serde(default)]
         multitap_timeout_ms: MultitapTimeout,
+        /// Changes of the text decoder, if neither the setup nor the command line states them. Default: no decoder.
+        #[serde(default)]
+        text: Option<TextModeSchema>,
         /// Hand postures with an action or value.
         #[serde(borrow, default)]
         triggers: Vec<TriggerSchema<'a>>,
@@ -220,7 +223,14 @@ impl LayoutDraft {
         let built = schema.build(&mut builder);
         let chord_timeout = duration(schema.chord_timeout_ms.get());
         let multitap_timeout = duration(schema.multitap_timeout_ms.get());
-        Ok(builder.finish(built, schema.description, chord_timeout, multitap_timeout))
+        let text_mode = schema.text.map(Into::into);
+        Ok(builder.finish(
+            built,
+            schema.description,
+            chord_timeout,
+            multitap_timeout,
+            text_mode,
+        ))
     }
 }
 

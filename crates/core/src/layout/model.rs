@@ -10,6 +10,7 @@ use super::controls::{ControlModel, Handle, with_control_devices};
 use super::fit::Fit;
 use super::outline::Outline;
 use super::shape::Shape;
+use crate::command::TextMode;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, Scene};
 use crate::contact::{TargetId, TargetNames};
@@ -81,6 +82,8 @@ pub struct Layout {
     pub spaces: Vec<SpaceTargets>,
     /// The messages of controls to music and stage programs.
     pub signals: Signals,
+    /// The mode in which the text decoder starts, unless the person states another one.
+    pub text_mode: Option<TextMode>,
 }
 
 /// A group of keys and controls that moves as one.

@@ -9,6 +9,7 @@ use serde::de::{Deserializer, Error};
 use super::quantity::{
     Bearing, BoardScale, Offset, Radius, RecenterDelay, RecenterOffset, RecenterSpeed, Size, Tilt,
 };
+use crate::command::TextMode;
 use crate::document::{FieldType, Shape, Spanned, schema};
 
 /// The maximum length of a label, in characters.
@@ -139,6 +140,30 @@ schema! {
         Nearest,
         /// A fingertip in a gap presses nothing.
         Dead,
+    }
+}
+
+schema! {
+    /// The changes of the text decoder on a layout.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "TextMode")]
+    pub enum TextModeSchema {
+        /// Nothing, until the mode is changed.
+        Literal,
+        /// The candidate that is chosen, nothing else.
+        Suggest,
+        /// The candidate that is chosen, and words at their end.
+        Auto,
+    }
+}
+
+impl From<TextModeSchema> for TextMode {
+    fn from(mode: TextModeSchema) -> Self {
+        match mode {
+            TextModeSchema::Literal => Self::Literal,
+            TextModeSchema::Suggest => Self::Suggest,
+            TextModeSchema::Auto => Self::Auto,
+        }
     }
 }
 

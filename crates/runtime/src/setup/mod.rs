@@ -94,7 +94,7 @@ schema! {
         pub notify: bool,
         /// Feedback to the gloves while a session runs, when a finger touches or presses.
         pub haptics: Haptics,
-        /// The text decoder. Without one, keys type what they say, and nothing is spent on it.
+        /// The text decoder. Without one, and without a mode or keys of a layout for it, keys type what they say, and nothing is spent on it.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub text: Option<TextSetup>,
         /// The filter of the joint angles.
@@ -147,7 +147,7 @@ schema! {
         pub name: String,
         /// The layout: a shipped name or a path.
         pub layout: String,
-        /// The changes of the text decoder in this layout. Default: as in the setup.
+        /// The changes of the text decoder in this layout. Default: as in the setup, or in the file of the layout.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub text: Option<TextModeSetup>,
     }

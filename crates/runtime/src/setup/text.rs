@@ -17,11 +17,30 @@ use ademan_core::pipeline::LayoutInstance;
 const MAX_MODEL_BYTES: u64 = 1 << 26;
 
 impl LoadedSetup {
-    /// Adds a text decoder that changes nothing if the setup has none and a layout has keys for it.
+    /// Adds a text decoder if the setup has none, and a layout has a mode or keys for it. It changes nothing where the layout has keys
+    /// only.
     pub(super) fn add_text_setup(&mut self) {
-        if self.setup.text.is_none() && self.layouts().any(text::has_text_commands) {
+        let asks = |layout: &Layout| {
+            !layout.text_mode.is_none_or(is_literal) || text::has_text_commands(layout)
+        };
+        if self.setup.text.is_none() && self.layouts().any(asks) {
             self.setup.text = Some(TextSetup::default());
         }
+    }
+
+    /// Returns the mode in which the text decoder of a layout starts. `own` is the mode of its profile. The person decides before
+    /// the layout, which may come from somebody else.
+    fn text_mode(&self, layout: &Layout, own: Option<TextMode>) -> TextMode {
+        let setup = self.setup.text.as_ref().and_then(|text| text.mode);
+        let stated = own.or(setup.map(TextMode::from));
+        stated.or(layout.text_mode).unwrap_or(TextMode::Literal)
+    }
+
+    /// Returns the modes in which the text decoders of all layouts start.
+    fn text_modes(&self) -> impl Iterator<Item = TextMode> {
+        let profiles = self.profiles.iter();
+        let further = profiles.map(|profile| self.text_mode(&profile.layout, profile.text));
+        std::iter::once(self.text_mode(&self.layout, None)).chain(further)
     }
 
     /// Loads the language of the text decoder with `read`. If that fails, there is no text decoder, and
@@ -42,8 +61,8 @@ impl LoadedSetup {
             Ok(language) => self.language = Some(language.with_learned(self.learned.clone())),
             Err(error) => self.text_error = Some(error),
         }
-        let asks = setup.mode != TextSetup::default().mode;
         let has_letters = |layout: &Layout| !text::capabilities(layout, false).keys.is_empty();
+        let asks = self.text_modes().any(|mode| !is_literal(mode));
         if asks && self.language.is_some() && !self.layouts().any(has_letters) {
             let other = self
                 .layouts()
@@ -59,8 +78,28 @@ impl LoadedSetup {
                 },
             ));
         }
-        if let Some(note) = self.text_note() {
-            tracing::warn!("{note}");
+        match self.text_note() {
+            Some(note) => tracing::warn!("{note}"),
+            None => self.report_modes_of_layouts(),
+        }
+    }
+
+    /// Reports the layouts whose files decide that words are changed.
+    fn report_modes_of_layouts(&self) {
+        let text = self.setup.text.as_ref();
+        if text.is_some_and(|text| text.mode.is_some()) {
+            return;
+        }
+        let profiles = self.profiles.iter();
+        let further = profiles.filter(|profile| profile.text.is_none());
+        let layouts = std::iter::once(&self.layout).chain(further.map(|profile| &profile.layout));
+        for layout in layouts {
+            if let Some(mode) = layout.text_mode.filter(|mode| !is_literal(*mode)) {
+                tracing::info!(
+                    "the file of `{}` states the text mode {mode}; `--decoder literal` types what is pressed",
+                    escape(&layout.name)
+                );
+            }
         }
     }
 
@@ -72,8 +111,7 @@ impl LoadedSetup {
 
     /// Returns `true` if a text decoder finds the letters of multitap keys of the layout from the words.
     pub fn finds_letters(&self) -> bool {
-        let setup = self.setup.text.as_ref();
-        let decodes = setup.is_some_and(|setup| TextMode::from(setup.mode) != TextMode::Literal);
+        let decodes = self.setup.text.is_some() && !is_literal(self.text_mode(&self.layout, None));
         decodes && self.language.is_some() && text::finds_letters(&self.layout)
     }
 
@@ -81,11 +119,15 @@ impl LoadedSetup {
     pub(super) fn instance(&self, layout: &Layout, mode: Option<TextMode>) -> LayoutInstance {
         let setup = self.setup.text.as_ref().zip(self.language.as_ref());
         let filter = setup.and_then(|(setup, language)| {
-            let mode = mode.unwrap_or(setup.mode.into());
+            let mode = self.text_mode(layout, mode);
             language.filter(layout, mode, self.other_hand.is_some(), setup.accents)
         });
         LayoutInstance::from_layout(layout).with_filter(filter)
     }
+}
+
+fn is_literal(mode: TextMode) -> bool {
+    mode == TextMode::Literal
 }
 
 /// Reads the file of a language model, which no other user may change: it decides what is typed in place of a word.
@@ -123,6 +165,7 @@ pub(super) fn refuse_model(path: &Path) -> Result<Vec<u8>, String> {
 mod tests {
     use super::*;
     use crate::setup::Setup;
+    use ademan_core::document::Document;
     use ademan_core::pipeline::PressFilter;
 
     #[test]
@@ -161,6 +204,41 @@ mod tests {
         assert_eq!(
             [0, 1, 2].map(mode),
             [TextMode::Auto, TextMode::Suggest, TextMode::Auto].map(Some)
+        );
+    }
+
+    #[test]
+    fn the_mode_of_a_layout_is_weaker_than_the_modes_of_its_profile_and_of_the_setup() {
+        let folder = tempfile::tempdir().unwrap();
+        let shipped = Document::shipped("qwerty-flat").unwrap().text;
+        let layout = shipped.replacen("boards:", "text: Auto, boards:", 1);
+        std::fs::write(folder.path().join("auto.ron"), layout).unwrap();
+        let path = folder.path().join("setup.ron");
+        let modes = |text: &str| {
+            let written = format!(
+                "Setup(layout: \"qwerty-flat\", {text}profiles: [\
+                 (name: \"a\", layout: \"auto.ron\", text: Suggest), (name: \"b\", layout: \"auto.ron\")])"
+            );
+            std::fs::write(&path, written).unwrap();
+            let setup = Setup::load(path.to_str().unwrap()).unwrap();
+            let loaded = setup.load_files().unwrap();
+            let layouts: Vec<&Layout> = loaded.layouts().collect();
+            [0, 1, 2].map(|profile| {
+                let instance = loaded.profile_instance(profile, layouts[profile]).unwrap();
+                let state = instance.filter().and_then(PressFilter::text_state);
+                state.map(|state| state.mode)
+            })
+        };
+        let [literal, suggest, auto] =
+            [TextMode::Literal, TextMode::Suggest, TextMode::Auto].map(Some);
+        assert_eq!(modes(""), [literal, suggest, auto]);
+        assert_eq!(
+            modes("text: (language: \"es\"), "),
+            [literal, suggest, auto]
+        );
+        assert_eq!(
+            modes("text: (mode: Literal), "),
+            [literal, suggest, literal]
         );
     }
 

@@ -48,7 +48,7 @@ impl LabDecoder {
     /// Returns the decoder as a setup has it.
     pub(super) fn setup(self) -> Option<TextSetup> {
         self.language().map(|language| TextSetup {
-            mode: TextModeSetup::Auto,
+            mode: Some(TextModeSetup::Auto),
             language: language.to_owned(),
             // As in the score.
             accents: false,

@@ -55,7 +55,7 @@ impl Decoder {
         Ok(Some(Self {
             name: name.clone(),
             language,
-            mode: setup.mode.into(),
+            mode: setup.mode.map_or(TextMode::Literal, TextMode::from),
             lexicon: Arc::new(lexicon),
         }))
     }

@@ -21,6 +21,7 @@ use super::model::{
 };
 use super::schema::PoseSchema;
 use super::shape::Shape;
+use crate::command::TextMode;
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::device::keyboard::Chord;
@@ -180,6 +181,7 @@ impl<'a> LayoutBuilder<'a> {
         description: Option<Spanned>,
         chord_timeout: Duration,
         multitap_timeout: Duration,
+        text_mode: Option<TextMode>,
     ) -> LayoutDraft {
         if let Err(error) = built {
             self.errors.add(error);
@@ -214,6 +216,7 @@ impl<'a> LayoutBuilder<'a> {
             pointer: self.pointer,
             spaces: self.spaces,
             signals: Signals::new(self.signals),
+            text_mode,
         };
         LayoutDraft::new(layout, errors, faulty, sources)
     }

@@ -29,6 +29,9 @@ pub(super) fn lists(layout: &Layout) -> Vec<List> {
     let keys = layout.keys.iter().filter_map(|key| words.key(key));
     let controls = layout.controls.iter();
     let triggers = layout.triggers.iter();
+    let mode = layout
+        .text_mode
+        .map(|it| ("mode".to_owned(), it.to_string()));
     let lists = [
         List {
             heading: "Bends",
@@ -41,6 +44,10 @@ pub(super) fn lists(layout: &Layout) -> Vec<List> {
         List {
             heading: "Sequences",
             rows: layout.sequence_rows(),
+        },
+        List {
+            heading: "Text decoder",
+            rows: mode.into_iter().collect(),
         },
         List {
             heading: "Controls",
