@@ -45,6 +45,7 @@ mod swipes;
 mod taps;
 mod text;
 mod text_between;
+mod text_controls;
 mod text_taps;
 mod tours;
 mod tracked_hands;

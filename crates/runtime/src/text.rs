@@ -7,8 +7,8 @@ use ademan_core::document::schema;
 use ademan_core::names::UnknownName;
 
 pub use ademan_text::filter::{
-    Language, Learned, capabilities, finds_letters, has_text_commands, learned,
-    learned_field_tables, learned_summary, shows_other_keymap,
+    Language, Learned, capabilities, finds_letters, learned, learned_field_tables, learned_summary,
+    shows_other_keymap,
 };
 
 schema! {

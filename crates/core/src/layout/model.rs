@@ -84,6 +84,8 @@ pub struct Layout {
     pub signals: Signals,
     /// The mode in which the text decoder starts, unless the person states another one.
     pub text_mode: Option<TextMode>,
+    /// A key, gesture or other control takes candidates of the text decoder or changes its mode.
+    pub has_text_commands: bool,
 }
 
 /// A group of keys and controls that moves as one.

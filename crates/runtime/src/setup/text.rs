@@ -20,9 +20,8 @@ impl LoadedSetup {
     /// Adds a text decoder if the setup has none, and a layout has a mode or keys for it. It changes nothing where the layout has keys
     /// only.
     pub(super) fn add_text_setup(&mut self) {
-        let asks = |layout: &Layout| {
-            !layout.text_mode.is_none_or(is_literal) || text::has_text_commands(layout)
-        };
+        let asks =
+            |layout: &Layout| !layout.text_mode.is_none_or(is_literal) || layout.has_text_commands;
         if self.setup.text.is_none() && self.layouts().any(asks) {
             self.setup.text = Some(TextSetup::default());
         }

@@ -5,7 +5,6 @@ use crate::model::alphabet;
 use crate::{Key, Keyboard};
 use parry3d::math::{Pose, Vec3};
 
-use ademan_core::command::Command;
 use ademan_core::contact::surface::Scene;
 use ademan_core::contact::{Press, TargetId, trusted_fingertip};
 use ademan_core::device::{Capabilities, Capability, KeyAction, KeyCode, MultitapId};
@@ -329,24 +328,6 @@ fn add_elsewhere(layout: &Layout, keys: &mut Vec<Key>) {
             });
         }
     }
-}
-
-/// Returns `true` if a key of a layout takes candidates or changes the mode.
-pub fn has_text_commands(layout: &Layout) -> bool {
-    let actions = layout.keys.iter().flat_map(|key| {
-        let own = key.actions.iter().copied().flatten();
-        own.chain(key.hold_action())
-    });
-    let chords = layout
-        .chords
-        .iter()
-        .flat_map(|chord| chord.actions.iter().copied().flatten());
-    actions.chain(chords).any(|action| {
-        matches!(
-            action,
-            KeyAction::Command(Command::Text { .. } | Command::Candidate { .. })
-        )
-    })
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ use self::text_filter::TextFilter;
 use crate::correction::Restored;
 use crate::{Corrector, Decoder, Mode, Model, Options, languages};
 
-pub use self::keys::{has_text_commands, shows_other_keymap};
+pub use self::keys::shows_other_keymap;
 pub use self::learned::{
     Learned, LearnedErrors, LearnedKey, LearnedSummary, LearnedTaps, learned, learned_field_tables,
     learned_summary,

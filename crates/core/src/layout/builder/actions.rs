@@ -167,13 +167,16 @@ impl<'a> LayoutBuilder<'a> {
         Ok(TextId(index))
     }
 
-    /// Parses a command. Records the name of a profile, because only the setup knows whether it exists.
+    /// Parses a command. Records the name of a profile, because only the setup knows if it exists, and a command of the text decoder,
+    /// because the setup adds one for it.
     fn command(&mut self, command: Spanned<'a>) -> Result<Command, DocumentError> {
         let parsed = command.text.parse();
         let parsed = parsed.map_err(|error: InvalidCommand| self.error(command.text, error))?;
         if let Command::Profile { name } = &parsed {
             index_of_or_push(&mut self.profiles, name);
         }
+        self.has_text_commands |=
+            matches!(parsed, Command::Text { .. } | Command::Candidate { .. });
         Ok(parsed)
     }
 }

@@ -53,6 +53,7 @@ pub(super) struct LayoutBuilder<'a> {
     pointer: Option<PointerSettings>,
     spaces: Vec<SpaceTargets>,
     signals: Vec<(TargetId, Signal)>,
+    has_text_commands: bool,
     /// The board that faces are added to.
     board: BoardDraft<'a>,
     /// Index in `keys` by name.
@@ -107,6 +108,7 @@ impl<'a> LayoutBuilder<'a> {
             pointer: None,
             spaces: Vec::new(),
             signals: Vec::new(),
+            has_text_commands: false,
             board: BoardDraft::default(),
             key_indices: BTreeMap::new(),
             axes: Vec::new(),
@@ -217,6 +219,7 @@ impl<'a> LayoutBuilder<'a> {
             spaces: self.spaces,
             signals: Signals::new(self.signals),
             text_mode,
+            has_text_commands: self.has_text_commands,
         };
         LayoutDraft::new(layout, errors, faulty, sources)
     }
