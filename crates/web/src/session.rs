@@ -286,7 +286,7 @@ impl PageSession {
             let done = typed.saturating_sub(self.typed_before);
             person.task = rest_of(&person.task, done);
         }
-        self.field = UsTextField::with_capacity(MAX_TEXT_BYTES);
+        self.field.clear();
         self.typed_before = 0;
     }
 

@@ -170,6 +170,21 @@ fn a_person_whose_text_was_cleared_goes_on_with_the_rest_on_another_layout() {
     assert_eq!(session.text(), "o world");
 }
 
+#[test]
+fn a_text_that_is_cleared_while_shift_is_down_goes_on_in_capitals() {
+    let layout = "Layout(name: \"a\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45), pitch_mm: 24, size_mm: Box(22, 20), rows: [(at_mm: (-70, 14), keys: \"Q W E R T Y U\")], keys: [(code: \"ShiftLeft\", name: \"lock\", latch: Lock, at_mm: (-36, -24))])])";
+    let mut session = PageSession::new(layout).expect("a valid layout");
+    assert_eq!(session.play("tap lock; tap Q; tap W"), []);
+    let is_typed = |_| {
+        session.advance(FRAME);
+        session.text() == "Q"
+    };
+    assert!((0..20_000).any(is_typed), "the first key is typed");
+    session.clear_text();
+    run(&mut session);
+    assert_eq!(session.text(), "W");
+}
+
 /// Returns the point of a key of the first board in the world, and its normal.
 fn key(session: &PageSession, name: &str, scene: &Value) -> (Vec3, Vec3, f32) {
     let layout = session.layout();

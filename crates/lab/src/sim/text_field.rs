@@ -77,6 +77,11 @@ impl UsTextField {
         }
     }
 
+    /// Empties the text. Keys that are down stay down: a Shift that is held goes on to make capitals.
+    pub fn clear(&mut self) {
+        self.text.clear();
+    }
+
     /// Returns the text so far.
     pub fn text(&self) -> &str {
         &self.text
