@@ -10,17 +10,23 @@ const CLASSES = ["comment", "string", "number", "word"];
 
 let faults = [];
 let undone = [];
+/** The text that was set last: what differs from it was written by hand. */
+let last = "";
 
 /** Returns the text. */
 export const text = () => editor.value;
 
 /** Replaces the text, keeps what can be kept of the cursor and the view, and remembers the text before for Undo. */
 export function setText(value) {
+  last = value;
   if (value === editor.value) return;
-  undone.push(editor.value);
+  // The page begins without a text.
+  if (editor.value) undone.push(editor.value);
   undone = undone.slice(-100);
   const { selectionStart, scrollTop, scrollLeft } = editor;
   editor.value = value;
+  // It has the line ends of the field, not of a file.
+  last = editor.value;
   editor.selectionStart = editor.selectionEnd = Math.min(selectionStart, value.length);
   [editor.scrollTop, editor.scrollLeft] = [scrollTop, scrollLeft];
   draw();
@@ -33,8 +39,9 @@ export function onEdit(changed) {
     changed(editor.value);
   });
   document.getElementById("undo").addEventListener("click", () => {
-    if (undone.length === 0) return;
-    editor.value = undone.pop();
+    const before = editor.value === last ? undone.pop() : last;
+    if (before === undefined) return;
+    editor.value = last = before;
     draw();
     changed(editor.value);
   });

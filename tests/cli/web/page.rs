@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::browser_and_server;
+use super::files::drop_file;
 use crate::browser::Browser;
 use crate::run;
 
@@ -274,6 +275,36 @@ fn the_page_asks_before_it_drops_a_changed_layout() {
             .is_some_and(|hash| hash.starts_with("#layout="))
     });
     assert!(!asks_before_it_closes(&mut browser), "it is in the link");
+}
+
+#[test]
+fn undo_takes_back_what_was_written_before_the_change_of_the_plan_and_leaves_the_first_text() {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
+        return;
+    };
+    open(&mut browser, &address);
+    let text = |page: &mut Browser| page.evaluate("document.getElementById('editor').value");
+    let undo = "document.getElementById('undo').click()";
+    let first = text(&mut browser);
+    browser.evaluate(undo);
+    assert_eq!(text(&mut browser), first, "there is nothing to undo");
+    browser.evaluate("document.querySelector('#plan [data-name=\"G\"]').focus()");
+    let up = json!({"type": "keyDown", "key": "ArrowUp", "code": "ArrowUp"});
+    browser.call("Input.dispatchKeyEvent", up);
+    let moved = browser.wait_for(LOOK, "a key is moved", |look| look["text"] != first);
+    edit(&mut browser, "it.value + '// mine\\n'");
+    browser.evaluate(undo);
+    assert_eq!(text(&mut browser), moved["text"], "the line is taken back");
+    browser.evaluate(undo);
+    assert_eq!(text(&mut browser), first, "the key is moved back");
+    browser.evaluate(undo);
+    assert_eq!(text(&mut browser), first, "there is nothing more to undo");
+    drop_file(&mut browser, "a.ron", b"Layout(name: \"Mine\")\r\n");
+    browser.wait_for(LOOK, "a file with other line ends", |look| {
+        look["text"] == "Layout(name: \"Mine\")\n"
+    });
+    browser.evaluate(undo);
+    assert_eq!(text(&mut browser), first, "the layout before the file");
 }
 
 #[test]
