@@ -23,7 +23,7 @@ self.addEventListener("activate", (event) => {
 /** Loads a file, and keeps it if it is one that is loaded on demand: what few visitors use is large. */
 async function load(request) {
   const answer = await fetch(request);
-  if (answer.ok && /\/(vision_|hand_landmarker|score\.wasm|words\.|e[ns]\.adm)/.test(new URL(request.url).pathname)) {
+  if (answer.ok && /\/(vision_|hand_landmarker|(score|full|words|recordings|e[ns])\.)/.test(new URL(request.url).pathname)) {
     const cache = await caches.open(VERSION);
     await cache.put(request, answer.clone()).catch(() => {});
   }

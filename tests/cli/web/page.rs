@@ -317,11 +317,19 @@ fn the_page_opens_without_a_server_after_the_first_visit() {
     browser.wait_for(controlled, "the files are kept", |look| {
         look["controlled"] == true
     });
+    // What a person has asked for once is kept, too.
+    let asked = r#"(async () => {
+        const files = ["full.js", "full.wasm", "words.js", "recordings.js", "score.wasm", "en.adm"];
+        const answers = await Promise.all(files.map((it) => fetch(it).then((answer) => answer.arrayBuffer()).catch(() => null)));
+        return files.filter((_, index) => !answers[index]);
+    })()"#;
+    assert_eq!(browser.evaluate(asked), json!([]));
     drop(server);
     browser.call("Page.navigate", json!({"url": "about:blank"}));
     open(&mut browser, &address);
     browser.evaluate("document.getElementById('type').click()");
     is_typed(&mut browser, "hello");
+    assert_eq!(browser.evaluate(asked), json!([]), "without a server");
     let deferred = browser.evaluate(
         r#"(async () => {
             const loaded = performance.getEntriesByType("resource").map((it) => new URL(it.name).pathname);
