@@ -345,6 +345,24 @@ fn the_page_opens_without_a_server_after_the_first_visit() {
     );
 }
 
+#[test]
+fn the_page_runs_in_a_browser_that_keeps_nothing_of_sites() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    browser.call("Page.enable", json!({}));
+    let blocked = "Object.defineProperty(window, 'sessionStorage', { get() { throw new DOMException('blocked', 'SecurityError'); } })";
+    browser.call(
+        "Page.addScriptToEvaluateOnNewDocument",
+        json!({ "source": blocked }),
+    );
+    open(&mut browser, &address);
+    browser.evaluate("document.getElementById('type').click()");
+    is_typed(&mut browser, "hello");
+}
+
 /// Sets the size of the window and the theme.
 pub fn look_like(browser: &mut Browser, width: u32, height: u32, theme: &str) {
     let size =
