@@ -221,11 +221,8 @@ async function listCameras(used) {
   const devices = await navigator.mediaDevices.enumerateDevices();
   const cameras = devices.filter((it) => it.kind === "videoinput");
   const list = element("webcam-camera");
-  list.replaceChildren(...cameras.map(({ deviceId, label }, index) => {
-    const option = document.createElement("option");
-    [option.value, option.textContent] = [deviceId, label || `camera ${index + 1}`];
-    return option;
-  }));
+  // A camera of the list may be unplugged, and another one connected that is not in it.
+  list.replaceChildren(new Option("any", ""), ...cameras.map(({ deviceId, label }, index) => new Option(label || `camera ${index + 1}`, deviceId)));
   if (used) list.value = used;
 }
 

@@ -162,6 +162,10 @@ fn a_hand_before_a_webcam_gets_the_board_under_its_fingers_types_and_is_released
         }
     }
     assert_eq!(browser.evaluate(LOOK)["track"], "live");
+    let cameras = "[...document.getElementById('webcam-camera').options].map((it) => it.text)";
+    let offered = browser.evaluate(cameras);
+    let offered = offered.as_array().expect("a list");
+    assert!(offered.len() > 1 && offered[0] == "any", "{offered:?}");
     // A key may be held for less than a look from here, and than a frame of a slow machine. The page looks for hands in one image at a
     // time: before the next one come two frames, in which the hand of the image before moves the stages.
     let was_held = browser.evaluate(
