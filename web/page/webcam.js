@@ -260,7 +260,7 @@ export function prepareWebcam(stagesOfPage, handsOfLayout) {
   });
   // Whoever types by something else, or looks at another page, is not filmed.
   for (const id of ["typing", "scripting"]) element(id).addEventListener("submit", () => isWanted() && stop(), { capture: true });
-  element("stop").addEventListener("click", () => isWanted() && stop());
+  for (const id of ["stop", "enter-vr", "enter-ar"]) element(id).addEventListener("click", () => isWanted() && stop());
   element("recording").addEventListener("change", () => isWanted() && stop());
   addEventListener("drop", ({ dataTransfer }) => isWanted() && [...dataTransfer.files].some((it) => !it.name.endsWith(".ron")) && stop());
   document.addEventListener("visibilitychange", () => document.hidden && isWanted() && stop("the camera was stopped because the page was hidden"));

@@ -267,6 +267,16 @@ fn a_recording_that_is_dropped_switches_the_camera_off_and_a_layout_does_not() {
 }
 
 #[test]
+fn a_headset_that_is_entered_switches_the_camera_off() {
+    let Some((_scratch, mut browser, _server)) = page_that_waits_for_the_camera() else {
+        return;
+    };
+    click(&mut browser, "enter-vr");
+    let off = browser.wait_for(LOOK, "it is off", |_| true);
+    assert!(has(&off, "status", "the camera is off"), "{off}");
+}
+
+#[test]
 fn a_camera_that_the_browser_gives_after_the_person_types_otherwise_is_let_go() {
     let Some((_scratch, mut browser, _server)) = page_that_waits_for_the_camera() else {
         return;
