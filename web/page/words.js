@@ -7,10 +7,12 @@ const element = (id) => document.getElementById(id);
 
 let language = "";
 
-async function loadLanguage(stages, name) {
+async function loadLanguage(stages, name, isMeant) {
   const answer = await fetch(`${name}.adm`);
   if (!answer.ok) throw new Error(`${name}.adm: ${answer.status}`);
-  const error = stages.useLanguage(new Uint8Array(await answer.arrayBuffer()));
+  const bytes = new Uint8Array(await answer.arrayBuffer());
+  if (!isMeant()) return;
+  const error = stages.useLanguage(bytes);
   if (error) throw new Error(error);
   language = name;
 }
@@ -18,13 +20,17 @@ async function loadLanguage(stages, name) {
 /** Corrects or suggests words as `choice` says: a mode and a language, or nothing. */
 export async function correctWords(stages, choice, notify, open) {
   const [mode, name] = choice.split(" ");
+  // A person may choose again while the files are loaded.
+  const isMeant = () => element("words").value === choice;
   try {
     if (mode) await loadFull(stages, open);
-    if (mode && name !== language) await loadLanguage(stages, name);
+    if (mode && name !== language) await loadLanguage(stages, name, isMeant);
+    if (!isMeant()) return;
     if (isFull()) stages.setTextMode(mode || "literal");
     element("candidates").hidden = !mode;
     notify("");
   } catch (error) {
+    if (!isMeant()) return;
     notify(`words are not corrected: ${error.message}`);
     element("words").value = "";
   }

@@ -94,6 +94,43 @@ fn words_are_corrected_and_a_click_takes_one() {
 }
 
 #[test]
+fn a_choice_that_is_taken_back_while_its_language_is_loaded_corrects_nothing() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    open(&mut browser, &address);
+    browser.evaluate(
+        "{
+            const load = globalThis.fetch;
+            globalThis.fetch = async (file) => {
+                if (file !== 'en.adm') return load(file);
+                await new Promise((done) => { globalThis.goOn = done; });
+                const bytes = await (await load(file)).arrayBuffer();
+                const read = async () => { globalThis.isRead = true; return bytes; };
+                return { ok: true, arrayBuffer: read };
+            };
+            true;
+        }",
+    );
+    select(&mut browser, "words", "auto en");
+    let waits = "({waits: Boolean(globalThis.goOn), isRead: Boolean(globalThis.isRead)})";
+    browser.wait_for(waits, "the language is loaded", |look| {
+        look["waits"] == true
+    });
+    select(&mut browser, "words", "");
+    browser.evaluate("globalThis.goOn()");
+    browser.wait_for(waits, "it has arrived", |look| look["isRead"] == true);
+    type_text(&mut browser, "thw ");
+    let look = browser.wait_for(LOOK, "the text", |seen| seen["typed"] == "thw ");
+    assert_eq!(
+        (&look["isHidden"], &look["chosen"]),
+        (&json!(true), &json!(""))
+    );
+}
+
+#[test]
 fn a_decoder_that_cannot_be_loaded_is_a_message_and_keys_type_on() {
     let Some(page) = folder() else { return };
     let Some(mut browser) = Browser::start() else {
