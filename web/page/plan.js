@@ -117,11 +117,13 @@ function prepare(group, face) {
     if (by[0] !== 0 || by[1] !== 0) change([face.id], { move: { by_mm: by } }) || place([0, 0]);
   });
   group.addEventListener("keydown", (event) => {
+    // Those are for the browser: the page before this one, a bookmark.
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
     const step = event.shiftKey ? 5 : 1;
     const moves = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
     if (moves[event.key]) change([face.id], { move: { by_mm: moves[event.key] } });
     else if (event.key === "Delete") change([face.id], "delete");
-    else if (event.key === "d") change([face.id], "duplicate");
+    else if (event.key.toLowerCase() === "d") change([face.id], "duplicate");
     else return;
     event.preventDefault();
   });

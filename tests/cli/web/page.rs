@@ -363,6 +363,35 @@ fn the_page_runs_in_a_browser_that_keeps_nothing_of_sites() {
     is_typed(&mut browser, "hello");
 }
 
+#[test]
+fn shortcuts_of_the_browser_change_neither_the_plan_nor_the_view() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    open(&mut browser, &address);
+    let before = browser.evaluate(LOOK);
+    // Each returns true if the browser goes on with the key.
+    let press = |page: &mut Browser, at: &str, keys: &str| {
+        page.evaluate(&format!(
+            "document.querySelector('{at}').dispatchEvent(new KeyboardEvent('keydown', {{ bubbles: true, cancelable: true, {keys} }}))"
+        ))
+    };
+    let plan_key = "#plan [data-name=G]";
+    for keys in ["key: 'd', ctrlKey: true", "key: 'ArrowLeft', altKey: true"] {
+        assert_eq!(press(&mut browser, plan_key, keys), true, "{keys}");
+    }
+    for keys in ["key: '+', ctrlKey: true", "key: '0', metaKey: true"] {
+        assert_eq!(press(&mut browser, "#view", keys), true, "{keys}");
+    }
+    assert_eq!(browser.evaluate(LOOK)["text"], before["text"]);
+    assert_eq!(press(&mut browser, "#view", "key: '+'"), false);
+    let capital = "key: 'D', shiftKey: true";
+    assert_eq!(press(&mut browser, plan_key, capital), false);
+    browser.wait_for(LOOK, "a copy", |look| look["text"] != before["text"]);
+}
+
 /// Sets the size of the window and the theme.
 pub fn look_like(browser: &mut Browser, width: u32, height: u32, theme: &str) {
     let size =

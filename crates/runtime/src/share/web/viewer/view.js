@@ -99,6 +99,8 @@ canvas.addEventListener("dblclick", () => {
   redraw();
 });
 canvas.addEventListener("keydown", (event) => {
+  // Those are for the browser, which makes everything larger, or goes back.
+  if (event.ctrlKey || event.altKey || event.metaKey) return;
   const turns = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, -12], ArrowDown: [0, 12] };
   if (turns[event.key]) camera.turn(...turns[event.key]);
   else if (event.key === "+") camera.zoom(0.9);
