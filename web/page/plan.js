@@ -104,11 +104,17 @@ function prepare(group, face) {
     group.setPointerCapture(event.pointerId);
     group.classList.add("is-moved");
   });
-  group.addEventListener("pointermove", (event) => start && place(offset(event)));
-  group.addEventListener("pointercancel", () => {
+  const cancel = () => {
     start = null;
     showPlan(shown);
+  };
+  group.addEventListener("pointermove", (event) => {
+    if (!start) return;
+    // A button that comes up over another tab is not reported.
+    if (event.pointerType === "mouse" && event.buttons === 0) cancel();
+    else place(offset(event));
   });
+  group.addEventListener("pointercancel", cancel);
   group.addEventListener("pointerup", (event) => {
     if (!start) return;
     const by = offset(event);

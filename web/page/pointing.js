@@ -50,6 +50,11 @@ function frontAt(event) {
 export function followPointer(point, mayHover) {
   let pressed = null;
   let last = null;
+  const lift = (event) => {
+    if (pressed !== event.pointerId) return;
+    pressed = null;
+    point(last, false);
+  };
   view.onPointerDown = (event) => {
     const front = event.button === 0 && pressed === null ? frontAt(event) : null;
     if (!front) return false;
@@ -59,21 +64,18 @@ export function followPointer(point, mayHover) {
     return true;
   };
   canvas.addEventListener("pointermove", (event) => {
+    const isFree = event.pointerType === "mouse" && event.buttons === 0;
+    // A button that comes up over another tab is not reported.
+    if (isFree) lift(event);
     if (pressed === event.pointerId) {
       // A finger may slide along its board.
       const front = frontAt(event);
       if (front) point((last = front), true);
-    } else if (event.pointerType === "mouse" && event.buttons === 0 && mayHover()) {
+    } else if (isFree && mayHover()) {
       const front = frontAt(event);
       canvas.style.cursor = front ? "pointer" : "";
       if (front) point((last = front), false);
     }
   });
-  for (const name of ["pointerup", "pointercancel"]) {
-    canvas.addEventListener(name, (event) => {
-      if (pressed !== event.pointerId) return;
-      pressed = null;
-      point(last, false);
-    });
-  }
+  for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, lift);
 }

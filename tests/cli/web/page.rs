@@ -105,6 +105,15 @@ fn press_with_the_mouse(browser: &mut Browser) {
         is_typed(browser, typed);
         mouse(browser, "mouseReleased", at);
     }
+    // The button comes up over another tab, and then the mouse comes back.
+    browser.evaluate("document.getElementById('view').addEventListener('pointerdown', (it) => { globalThis.pointer = it.pointerId; })");
+    let at = point(browser, &on_screen("P"));
+    mouse(browser, "mousePressed", at);
+    is_typed(browser, "qmp");
+    browser.evaluate("document.getElementById('view').dispatchEvent(new PointerEvent('pointermove', { pointerId: globalThis.pointer, pointerType: 'mouse' }))");
+    let keys = "({keys: document.querySelectorAll('#keys kbd').length})";
+    browser.wait_for(keys, "the key comes up", |look| look["keys"] == 0);
+    mouse(browser, "mouseReleased", at);
 }
 
 #[test]

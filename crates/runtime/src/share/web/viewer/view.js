@@ -74,6 +74,8 @@ canvas.addEventListener("pointerdown", (event) => {
   pointers.set(event.pointerId, event);
 });
 canvas.addEventListener("pointermove", (event) => {
+  // A button that comes up over another tab is not reported.
+  if (event.pointerType === "mouse" && event.buttons === 0) pointers.delete(event.pointerId);
   const last = pointers.get(event.pointerId);
   if (!last) return;
   if (pointers.size === 1) {
