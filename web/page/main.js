@@ -35,7 +35,9 @@ function useLayout(text) {
   if (faultsShown.length === 0) valid = text;
 }
 
-function openLayout(text) {
+/** Opens a layout: one that comes with the program if it has a name. */
+function openLayout(text, name = "") {
+  element("gallery-list").value = name;
   replaceLayout(text);
   keep();
 }
@@ -49,9 +51,8 @@ function replaceLayout(text) {
 const keep = () => (kept = editor.text());
 
 function openShipped(name) {
-  element("gallery-list").value = name;
   history.replaceState(null, "", location.pathname + location.search);
-  openLayout(stages.fileText(name));
+  openLayout(stages.fileText(name), name);
 }
 
 async function openFragment() {
@@ -61,7 +62,6 @@ async function openFragment() {
       notify("");
       return false;
     }
-    element("gallery-list").value = "";
     openLayout(text);
     notify("this layout comes from the link");
     return true;

@@ -64,6 +64,23 @@ fn a_dropped_file_is_played_or_says_why_not() {
 }
 
 #[test]
+fn the_list_of_layouts_does_not_name_another_one_than_the_dropped_one() {
+    let Some(page) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&page);
+    open(&mut browser, &address);
+    let chosen = "document.getElementById('gallery-list').value";
+    assert_eq!(browser.evaluate(chosen), "qwerty-flat");
+    drop_file(&mut browser, "mine.ron", b"Layout(name: \"Mine\")");
+    browser.wait_for(LOOK, "a layout", |look| {
+        look["text"] == "Layout(name: \"Mine\")"
+    });
+    assert_eq!(browser.evaluate(chosen), "", "it is one of the person");
+}
+
+#[test]
 fn a_dropped_recording_types_on_its_layout() {
     let Some(page) = folder() else { return };
     let Some(mut browser) = Browser::start() else {
