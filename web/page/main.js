@@ -140,15 +140,15 @@ const MAX_LAYOUT_BYTES = 1 << 20;
 async function play(file) {
   if (!file) return;
   if (file.size > MAX_RECORDING_BYTES) return notify("the file is larger than 15 MB; cut it");
-  if (file.name.endsWith(".mcap")) {
-    const { playRecording } = await import("./recordings.js");
-    return playRecording(stages, file, { notify, open: begin, openLayout });
-  }
-  const text = await file.text();
-  if (file.name.endsWith(".ron")) return file.size > MAX_LAYOUT_BYTES ? notify("the layout is larger than 1 MiB") : openLayout(text);
-  const protocol = protocolOf(text);
-  if (!protocol) return notify("the file is no recording (.mcap), no motion capture (BVH), and no lines with hands of a headset or webcam; a layout ends with .ron");
   try {
+    if (file.name.endsWith(".mcap")) {
+      const { playRecording } = await import("./recordings.js");
+      return playRecording(stages, file, { notify, open: begin, openLayout });
+    }
+    const text = await file.text();
+    if (file.name.endsWith(".ron")) return file.size > MAX_LAYOUT_BYTES ? notify("the layout is larger than 1 MiB") : openLayout(text);
+    const protocol = protocolOf(text);
+    if (!protocol) return notify("the file is no recording (.mcap), no motion capture (BVH), and no lines with hands of a headset or webcam; a layout ends with .ron");
     const { readings, refused, error } = stages.playFile(protocol, text);
     notify(error ?? `${readings} readings of ${protocol}${refused ? `; the rest cannot be read: ${refused}` : ""}`);
   } catch (error) {

@@ -64,6 +64,22 @@ fn a_dropped_file_is_played_or_says_why_not() {
 }
 
 #[test]
+fn a_file_that_cannot_be_read_is_a_message() {
+    let Some(page) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&page);
+    open(&mut browser, &address);
+    // As a browser answers for a folder, and for a file that is gone.
+    browser.evaluate("Blob.prototype.text = async () => { throw new Error('gone'); }; true");
+    drop_file(&mut browser, "hands.jsonl", b"{}");
+    browser.wait_for(LOOK, "a reason", |look| {
+        look["notice"] == "the file cannot be read: gone"
+    });
+}
+
+#[test]
 fn the_list_of_layouts_does_not_name_another_one_than_the_dropped_one() {
     let Some(page) = folder() else { return };
     let Some(mut browser) = Browser::start() else {
