@@ -105,6 +105,8 @@ element("scripting").addEventListener("submit", (event) => {
   sayFaults(stages.play(element("script").value));
 });
 element("recording").addEventListener("change", (event) => play(event.target.files[0]));
+// The same file may be chosen again, to be played again, or because it was replaced on the disk.
+for (const input of document.querySelectorAll("[type=file]")) input.addEventListener("click", () => (input.value = ""));
 addEventListener("dragover", (event) => event.preventDefault());
 addEventListener("drop", (event) => {
   event.preventDefault();

@@ -80,6 +80,24 @@ fn a_file_that_cannot_be_read_is_a_message() {
 }
 
 #[test]
+fn a_file_can_be_chosen_twice() {
+    let Some(page) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&page);
+    open(&mut browser, &address);
+    for input in ["recording", "webcam-file"] {
+        let chosen = browser.evaluate(&format!(
+            "(() => {{ const files = new DataTransfer(); files.items.add(new File(['a'], 'a.txt'));
+            const input = document.getElementById('{input}'); input.files = files.files;
+            const before = input.files.length; input.click(); return [before, input.files.length]; }})()"
+        ));
+        assert_eq!(chosen, json!([1, 0]), "the choice of {input} is a new one");
+    }
+}
+
+#[test]
 fn the_list_of_layouts_does_not_name_another_one_than_the_dropped_one() {
     let Some(page) = folder() else { return };
     let Some(mut browser) = Browser::start() else {
