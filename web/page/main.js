@@ -122,6 +122,8 @@ function choosePerson() {
   const name = element("person").value;
   sayFaults(stages.setPerson(name && stages.fileText(`persons/${name}`)));
 }
+// A browser restores what was chosen before the page was loaded again, without the person and the decoder.
+for (const id of ["person", "words"]) element(id).value = "";
 element("person").addEventListener("change", choosePerson);
 element("words").addEventListener("change", async (event) => {
   const { correctWords } = await import("./words.js");

@@ -246,7 +246,9 @@ export function prepareWebcam(stagesOfPage, handsOfLayout) {
   element("webcam-stop").addEventListener("click", () => stop());
   element("webcam-place-boards").addEventListener("click", () => stages.placeUnderHands());
   element("webcam-camera").addEventListener("change", () => isRunning() && start());
-  element("webcam-mirror").addEventListener("change", (event) => panel.classList.toggle("is-mirrored", event.target.checked));
+  const mirror = element("webcam-mirror");
+  mirror.checked = true;
+  mirror.addEventListener("change", () => panel.classList.toggle("is-mirrored", mirror.checked));
   element("webcam-file").addEventListener("change", async (event) => {
     const [file] = event.target.files;
     if (!file) return;

@@ -131,6 +131,26 @@ fn a_choice_that_is_taken_back_while_its_language_is_loaded_corrects_nothing() {
 }
 
 #[test]
+fn a_page_that_is_loaded_again_says_that_nothing_is_corrected() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    open(&mut browser, &address);
+    choose(&mut browser, "suggest en");
+    select(&mut browser, "person", "left-small");
+    browser.evaluate("globalThis.isOld = true");
+    browser.call("Page.reload", json!({}));
+    let chosen = "({
+        ready: !globalThis.isOld && document.documentElement.dataset.ready === 'true',
+        chosen: ['words', 'person'].map((id) => document.getElementById(id)?.value),
+    })";
+    let look = browser.wait_for(chosen, "the page runs again", |look| look["ready"] == true);
+    assert_eq!(look["chosen"], json!(["", ""]));
+}
+
+#[test]
 fn a_decoder_that_cannot_be_loaded_is_a_message_and_keys_type_on() {
     let Some(page) = folder() else { return };
     let Some(mut browser) = Browser::start() else {
