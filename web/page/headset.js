@@ -65,13 +65,16 @@ export function offer(modes, of) {
 }
 
 async function enter(mode) {
+  let started = null;
   try {
     // Not awaited: a browser may never permit it.
     prepareSound().catch(() => {});
-    const started = await navigator.xr.requestSession(mode, { requiredFeatures: ["local-floor"], optionalFeatures: ["hand-tracking"] });
+    started = await navigator.xr.requestSession(mode, { requiredFeatures: ["local-floor"], optionalFeatures: ["hand-tracking"] });
     started.addEventListener("end", leave);
     await run(started);
   } catch (error) {
+    // Otherwise a person who has entered sees nothing, and no further session begins.
+    started?.end().catch(() => {});
     leave();
     page.notify(`the headset cannot be used: ${error.message}; allow this page to use virtual reality and hand tracking`);
   }

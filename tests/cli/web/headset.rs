@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
+use super::page::open;
 use super::{folder, serve};
 use crate::browser::Browser;
 
@@ -191,6 +192,37 @@ fn an_emulated_hand_types_in_the_room_and_a_lost_hand_and_the_end_release_its_ke
         [""; 0],
         "requests to other servers"
     );
+}
+
+#[test]
+fn a_session_that_cannot_be_drawn_is_ended_and_another_one_begins() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = browser() else { return };
+    let (_server, address) = serve(&folder);
+    open(&mut browser, &address);
+    browser.wait_for(LOOK, "a headset is offered", |look| {
+        look["isOffered"] == true
+    });
+    browser.evaluate(
+        "{
+            const own = HTMLCanvasElement.prototype.getContext;
+            globalThis.mend = () => { HTMLCanvasElement.prototype.getContext = own; };
+            HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+                return kind === 'webgl2' ? null : own.call(this, kind, ...rest);
+            };
+            true;
+        }",
+    );
+    let enter_vr = "document.getElementById('enter-vr').click()";
+    browser.evaluate(enter_vr);
+    browser.wait_for(LOOK, "a reason", |look| {
+        let notice = look["notice"].as_str().unwrap_or_default();
+        notice.contains("it has no WebGL 2")
+    });
+    browser.evaluate(&format!("globalThis.mend(); {enter_vr}"));
+    browser.wait_for(LOOK, "a session, with boards in the room", |look| {
+        look["session"] != "" && look["place"].is_array()
+    });
 }
 
 #[test]
