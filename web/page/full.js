@@ -3,7 +3,7 @@
 let isLoaded = false;
 let loading = null;
 
-/** Whether the module is in use. */
+/** Returns true if the module is in use. */
 export const isFull = () => isLoaded;
 
 async function load(stages, open) {

@@ -107,8 +107,11 @@ element("scripting").addEventListener("submit", (event) => {
 element("recording").addEventListener("change", (event) => play(event.target.files[0]));
 // The same file may be chosen again, to be played again, or because it was replaced on the disk.
 for (const input of document.querySelectorAll("[type=file]")) input.addEventListener("click", () => (input.value = ""));
-addEventListener("dragover", (event) => event.preventDefault());
+/** Returns true if text is dragged to a field, which takes it. A link that is dropped elsewhere would take the place of the page. */
+const isOfField = ({ target, dataTransfer }) => target.matches?.(":read-write") && !dataTransfer.types.includes("Files");
+addEventListener("dragover", (event) => isOfField(event) || event.preventDefault());
 addEventListener("drop", (event) => {
+  if (isOfField(event)) return;
   event.preventDefault();
   play(event.dataTransfer.files[0]);
 });

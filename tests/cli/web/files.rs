@@ -80,6 +80,38 @@ fn a_file_that_cannot_be_read_is_a_message() {
 }
 
 #[test]
+fn text_that_is_dragged_is_left_to_its_field_and_a_file_to_the_page() {
+    let Some(page) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&page);
+    open(&mut browser, &address);
+    let is_left = |own: &mut Browser, field: &str, data: &str| {
+        let drop = format!(
+            "['dragover', 'drop'].map((kind) => {{ const data = new DataTransfer(); data.items.add({data});
+            return document.getElementById('{field}').dispatchEvent(new DragEvent(kind, {{ dataTransfer: data, bubbles: true, cancelable: true }})); }})"
+        );
+        own.evaluate(&drop)
+    };
+    let text = "'// mine', 'text/plain'";
+    let file = "new File(['Layout(name: \"Mine\")'], 'mine.ron')";
+    for (field, data, expected) in [
+        ("editor", text, [true; 2]),
+        ("text-to-type", text, [true; 2]),
+        ("typed", text, [false; 2]),
+        ("view", text, [false; 2]),
+        ("editor", file, [false; 2]),
+    ] {
+        let left = is_left(&mut browser, field, data);
+        assert_eq!(left, json!(expected), "{field}: {data}");
+    }
+    browser.wait_for(LOOK, "a layout", |look| {
+        look["text"] == "Layout(name: \"Mine\")"
+    });
+}
+
+#[test]
 fn a_file_can_be_chosen_twice() {
     let Some(page) = folder() else { return };
     let Some(mut browser) = Browser::start() else {
