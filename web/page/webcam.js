@@ -149,6 +149,8 @@ function next(own) {
 function check() {
   if (running && (running.isBusy || !running.isReady) && performance.now() - running.asked > PATIENCE_MS) {
     running.asked = performance.now();
+    // The next hand takes the message back.
+    running.wasSeen = false;
     say("MediaPipe does not answer; this may be a slow machine, or stop and start the camera");
   }
 }
