@@ -1,5 +1,8 @@
 //! Layouts from links, which other people made.
 
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
 use ademan::document::{Document, FileKind};
 use ademan::files::{self, OpenDocument};
 use ademan::layout::Layout;
@@ -51,8 +54,7 @@ fn store(link: &str) -> Result<String, Failure> {
         std::fs::create_dir_all(parent).map_err(|error| failed(error.to_string()))?;
     }
     files::create_private_folder(&folder).map_err(|error| failed(error.to_string()))?;
-    // One file for each layout, however often its link is used.
-    let path = folder.join(format!("{:08x}.ron", checksum(&text)));
+    let path = free_path(&folder, &text);
     files::replace_private_text(&path, &text).map_err(|error| failed(error.to_string()))?;
     say!(
         "the layout of the link, `{}`, is in {}",
@@ -60,6 +62,29 @@ fn store(link: &str) -> Result<String, Failure> {
         escape_path(&path)
     );
     Ok(path.to_string_lossy().into_owned())
+}
+
+/// Returns the path for a layout in the folder: one file for each layout, however often its link is used. A file that a person has
+/// changed since, in Studio for example, stays.
+fn free_path(folder: &Path, text: &str) -> PathBuf {
+    let sum = checksum(text);
+    let mut path = folder.join(format!("{sum:08x}.ron"));
+    let mut number = 1;
+    while has_other_text(&path, text) {
+        number += 1;
+        path = folder.join(format!("{sum:08x}-{number}.ron"));
+    }
+    path
+}
+
+/// Returns `true` if there is a file with another text.
+fn has_other_text(path: &Path, text: &str) -> bool {
+    let Ok(file) = files::open_regular(path) else {
+        return false;
+    };
+    let mut kept = Vec::new();
+    let read = file.take(text.len() as u64 + 1).read_to_end(&mut kept);
+    read.is_ok() && kept != text.as_bytes()
 }
 
 /// Returns the FNV-1a hash of a text.

@@ -59,6 +59,34 @@ fn a_shared_layout_is_checked_shown_and_played_but_types_only_if_it_is_trusted()
 }
 
 #[test]
+fn a_layout_of_a_link_that_was_changed_stays_when_the_link_is_used_again() {
+    let home = tempfile::tempdir().expect("a folder");
+    let link = run(["layout", "share", "qwerty-arc"]).out;
+    let show = ["layout", "show", link.trim()];
+    run_in(home.path(), &show);
+    let folder = home.path().join("ademan/links");
+    let files = || -> Vec<_> {
+        let entries = fs::read_dir(&folder).expect("the folder of links");
+        entries.flatten().map(|entry| entry.path()).collect()
+    };
+    let first = files();
+    assert_eq!(first.len(), 1, "{first:?}");
+    let original = fs::read_to_string(&first[0]).expect("a layout");
+    let changed = format!("// mine\n{original}");
+    fs::write(&first[0], &changed).expect("a change");
+    for _ in 0..2 {
+        let shown = run_in(home.path(), &show);
+        assert_eq!(shown.code, Some(0), "{}", shown.err);
+    }
+    assert_eq!(fs::read_to_string(&first[0]).expect("a layout"), changed);
+    let all = files();
+    assert_eq!(all.len(), 2, "one more, however often: {all:?}");
+    let other = all.iter().find(|path| **path != first[0]);
+    let other = fs::read_to_string(other.expect("another one")).expect("a layout");
+    assert_eq!(other, original);
+}
+
+#[test]
 fn a_link_in_a_setup_or_with_a_damaged_layout_is_refused() {
     let home = tempfile::tempdir().expect("a folder");
     let link = run(["layout", "share", "qwerty-arc"]).out;
