@@ -116,8 +116,11 @@ addEventListener("drop", (event) => {
   play(event.dataTransfer.files[0]);
 });
 element("stop").addEventListener("click", () => stages.release());
+/** The text that was typed with the module before this one. */
+let typedBefore = "";
 element("clear").addEventListener("click", () => {
   stages.clearText();
+  typedBefore = "";
   element("events").replaceChildren();
   notify("");
 });
@@ -135,6 +138,7 @@ element("words").addEventListener("change", async (event) => {
 
 /** Gives layout and person to a module without them. */
 function begin() {
+  typedBefore = element("typed").value;
   useLayout(valid);
   useLayout(editor.text());
   choosePerson();
@@ -200,8 +204,9 @@ const receivers = {
   session(message) {
     hand = message.hand;
     const field = element("typed");
-    if (field.value !== message.text) {
-      field.value = message.text;
+    const text = typedBefore + message.text;
+    if (field.value !== text) {
+      field.value = text;
       field.scrollTop = field.scrollHeight;
     }
   },

@@ -94,6 +94,25 @@ fn words_are_corrected_and_a_click_takes_one() {
 }
 
 #[test]
+fn what_was_typed_stays_when_words_are_corrected_from_then_on() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    open(&mut browser, &address);
+    type_text(&mut browser, "hello ");
+    browser.wait_for(LOOK, "a text", |look| look["typed"] == "hello ");
+    choose(&mut browser, "auto en");
+    browser.evaluate(
+        "document.getElementById('text-to-type').value = 'thw '; document.getElementById('type').click()",
+    );
+    browser.wait_for(LOOK, "both", |look| look["typed"] == "hello the ");
+    browser.evaluate("document.getElementById('clear').click()");
+    browser.wait_for(LOOK, "nothing", |look| look["typed"] == "");
+}
+
+#[test]
 fn a_choice_that_is_taken_back_while_its_language_is_loaded_corrects_nothing() {
     let Some(folder) = folder() else { return };
     let Some(mut browser) = Browser::start() else {
