@@ -131,9 +131,14 @@ function choosePerson() {
 // A browser restores what was chosen before the page was loaded again, without the person and the decoder.
 for (const id of ["person", "words"]) element(id).value = "";
 element("person").addEventListener("change", choosePerson);
-element("words").addEventListener("change", async (event) => {
-  const { correctWords } = await import("./words.js");
-  await correctWords(stages, event.target.value, notify, begin);
+element("words").addEventListener("change", async ({ target }) => {
+  try {
+    const { correctWords } = await import("./words.js");
+    await correctWords(stages, target.value, notify, begin);
+  } catch (error) {
+    notify(`words are not corrected: ${error.message}`);
+    target.value = "";
+  }
 });
 
 /** Gives layout and person to a module without them. */

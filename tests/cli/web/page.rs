@@ -356,11 +356,9 @@ fn the_page_opens_without_a_server_after_the_first_visit() {
 
 #[test]
 fn the_page_runs_in_a_browser_that_keeps_nothing_of_sites() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     browser.call("Page.enable", json!({}));
     let blocked = "Object.defineProperty(window, 'sessionStorage', { get() { throw new DOMException('blocked', 'SecurityError'); } })";
     browser.call(
@@ -374,11 +372,9 @@ fn the_page_runs_in_a_browser_that_keeps_nothing_of_sites() {
 
 #[test]
 fn shortcuts_of_the_browser_change_neither_the_plan_nor_the_view() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     open(&mut browser, &address);
     let before = browser.evaluate(LOOK);
     // Each returns true if the browser goes on with the key.

@@ -1,6 +1,10 @@
 //! Words that the page corrects and suggests.
 
+use std::fs;
+use std::path::Path;
+
 use serde_json::json;
+use tempfile::TempDir;
 
 use super::page::{edit, open};
 use super::{browser_and_server, folder, serve};
@@ -95,11 +99,9 @@ fn words_are_corrected_and_a_click_takes_one() {
 
 #[test]
 fn what_was_typed_stays_when_words_are_corrected_from_then_on() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     open(&mut browser, &address);
     type_text(&mut browser, "hello ");
     browser.wait_for(LOOK, "a text", |look| look["typed"] == "hello ");
@@ -114,11 +116,9 @@ fn what_was_typed_stays_when_words_are_corrected_from_then_on() {
 
 #[test]
 fn a_choice_that_is_taken_back_while_its_language_is_loaded_corrects_nothing() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     open(&mut browser, &address);
     browser.evaluate(
         "{
@@ -151,11 +151,9 @@ fn a_choice_that_is_taken_back_while_its_language_is_loaded_corrects_nothing() {
 
 #[test]
 fn a_page_that_is_loaded_again_says_that_nothing_is_corrected() {
-    let Some(folder) = folder() else { return };
-    let Some(mut browser) = Browser::start() else {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
     };
-    let (_server, address) = serve(&folder);
     open(&mut browser, &address);
     choose(&mut browser, "suggest en");
     select(&mut browser, "person", "left-small");
@@ -169,19 +167,44 @@ fn a_page_that_is_loaded_again_says_that_nothing_is_corrected() {
     assert_eq!(look["chosen"], json!(["", ""]));
 }
 
+/// Returns a copy of the page in which a file is missing.
+fn without(page: &Path, missing: &str) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for entry in fs::read_dir(page).expect("the page").flatten() {
+        let name = entry.file_name();
+        if entry.path().is_file() && name != missing {
+            fs::copy(entry.path(), folder.path().join(name)).expect("a copy");
+        }
+    }
+    folder
+}
+
+#[test]
+fn words_without_their_code_are_a_message() {
+    let Some(page) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let folder = without(&page, "words.js");
+    let (_server, address) = serve(folder.path());
+    open(&mut browser, &address);
+    select(&mut browser, "words", "auto en");
+    let look = browser.wait_for(LOOK, "a message", |look| look["notice"] != "");
+    let notice = look["notice"].as_str().expect("a text");
+    assert!(
+        notice.starts_with("words are not corrected: Failed to fetch"),
+        "{notice}"
+    );
+    assert_eq!(look["chosen"], "");
+}
+
 #[test]
 fn a_decoder_that_cannot_be_loaded_is_a_message_and_keys_type_on() {
     let Some(page) = folder() else { return };
     let Some(mut browser) = Browser::start() else {
         return;
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    for entry in std::fs::read_dir(&page).expect("the page").flatten() {
-        let name = entry.file_name();
-        if entry.path().is_file() && name != "en.adm" {
-            std::fs::copy(entry.path(), folder.path().join(name)).expect("a copy");
-        }
-    }
+    let folder = without(&page, "en.adm");
     let (_server, address) = serve(folder.path());
     open(&mut browser, &address);
     select(&mut browser, "words", "auto en");
