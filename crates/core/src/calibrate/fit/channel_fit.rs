@@ -28,7 +28,7 @@ pub(super) struct ChannelFit {
     pub(super) is_inverted: bool,
     /// The joints with a new calibration.
     pub(super) rows: Vec<(Dof, AffineMap)>,
-    /// The curvature in counts over the full scale, if it is fitted.
+    /// The curvature in counts over the full scale, if it is fitted. Otherwise the curvature of the starting glove remains.
     curvature: Option<f64>,
     linearity: Linearity,
 }
@@ -55,7 +55,7 @@ impl ChannelFit {
             is_inverted: false,
             rows: Vec::new(),
             curvature: None,
-            linearity: Linearity::new(0.0, start.full_scale()),
+            linearity: start.linearity(channel),
         };
         if fit.is_dead || range.is_none() {
             return fit;
@@ -66,7 +66,9 @@ impl ChannelFit {
             fit.rows = rows()
                 .filter_map(|row| {
                     let points = points(channel, row.dof, observations, true);
-                    Some((row.dof, shifted(row.calibration, &points)?))
+                    let straight = points.into_iter().map(|point| fit.straightened(point));
+                    let straight: Vec<Point> = straight.collect();
+                    Some((row.dof, shifted(row.calibration, &straight)?))
                 })
                 .collect();
             return fit;
@@ -97,6 +99,11 @@ impl ChannelFit {
         // The file has two decimals.
         let counts = self.curvature.filter(|counts| counts.abs() >= 0.005)?;
         Some((self.channel, (counts * 100.0).round() / 100.0))
+    }
+
+    /// Returns `true` if the poses do not show a curvature, so that the curvature of the starting glove remains.
+    pub(super) fn keeps_curvature(&self) -> bool {
+        self.curvature.is_none()
     }
 
     /// Returns the line through the poses that define a joint.

@@ -64,8 +64,7 @@ pub fn fit(
         .map(|&channel| ChannelFit::new(channel, observations, start))
         .collect();
     let mut problems = faults::find(&fits, observations);
-    let curvatures = fits.iter().filter_map(ChannelFit::curvature);
-    let map = start.clone().with_curvatures(curvatures.collect());
+    let map = start.clone().with_curvatures(curvatures(&fits, start));
     let calibrations: Vec<AffineMap> = map
         .rows()
         .iter()
@@ -95,6 +94,21 @@ pub fn fit(
         map,
         problems,
     })
+}
+
+/// Returns the curvatures that the poses show. A channel without one keeps the curvature of the starting glove, with which the values
+/// of its rows were found.
+fn curvatures(fits: &[ChannelFit], start: &ChannelMap) -> Vec<(usize, f64)> {
+    let is_kept = |channel: usize| {
+        let mut own = fits.iter().filter(|fit| fit.channel == channel);
+        own.all(ChannelFit::keeps_curvature)
+    };
+    let old = start.curvatures().iter().copied();
+    let old = old.filter(|(channel, _)| is_kept(*channel));
+    let new = fits.iter().filter_map(ChannelFit::curvature);
+    let mut all: Vec<(usize, f64)> = new.chain(old).collect();
+    all.sort_by_key(|(channel, _)| *channel);
+    all
 }
 
 /// Returns the new calibration of a row. A row that no pose determines keeps the start's, in proportion to the other rows of its

@@ -117,6 +117,25 @@ fn a_joint_whose_poses_are_skipped_keeps_its_values_and_costs_points() {
 }
 
 #[test]
+fn a_sensor_whose_poses_are_skipped_keeps_its_curvature() {
+    use CalibrationPose::{ElbowStraight, Fist, Flat, Rest, Spread};
+    let elbow = Dof::ElbowFlexion;
+    let channel = row(&shipped(), elbow).channel;
+    let start = shipped().with_curvatures(vec![(channel, 10.0)]);
+    let skipped = fit(&observe(&[Rest, Flat, Spread, Fist], exact), &start).unwrap();
+    assert_eq!(skipped.map.linearity(channel), start.linearity(channel));
+    let angle = |map: &ChannelMap, count| map.radians(row(map, elbow), count);
+    assert_eq!(angle(&skipped.map, 128.0), angle(&start, 128.0));
+    // One angle changes the offset only.
+    let observations = observe(&[Rest, Flat, ElbowStraight, Fist], exact);
+    let shifted = fit(&observations, &start).unwrap();
+    let turn = |map: &ChannelMap| angle(map, 128.0) - angle(map, 64.0);
+    assert!((turn(&shifted.map) - turn(&start)).abs() < 1e-9);
+    let straight = angle(&shifted.map, exact(ElbowStraight, channel));
+    assert!(straight.abs() < 1e-9, "{straight}");
+}
+
+#[test]
 fn without_the_flat_hand_there_is_no_calibration() {
     let observations = observe(&[CalibrationPose::Rest, CalibrationPose::Fist], exact);
     let error = fit(&observations, &shipped()).unwrap_err();
