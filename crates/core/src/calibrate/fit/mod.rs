@@ -53,7 +53,7 @@ pub fn fit(
     if observed < 2 || !has(CalibrationPose::Flat) {
         return Err(CalibrationError::TooFewPoses { observed });
     }
-    let is_sent = |row: &&ChannelRow| observations.is_sent(row.channel);
+    let is_sent = |row: &&ChannelRow| is_judged(row, observations);
     let sent: Vec<ChannelRow> = start.rows().iter().filter(is_sent).cloned().collect();
     if sent.is_empty() {
         return Err(CalibrationError::NothingSent);
@@ -69,10 +69,10 @@ pub fn fit(
         .rows()
         .iter()
         .map(|row| {
-            if observations.is_sent(row.channel) {
+            if is_judged(row, observations) {
                 calibration(row, &fits, start, &mut problems)
             } else {
-                // The count of rest, for which the starting glove has the angle.
+                // The count of rest, for which the starting glove has the angle, or no count.
                 row.calibration
             }
         })
@@ -94,6 +94,18 @@ pub fn fit(
         map,
         problems,
     })
+}
+
+/// Returns `true` if the poses judge a row: the glove has its sensor. A finger without a count in any pose is one that the glove does not
+/// measure, except for the index finger, without which nothing can be typed.
+fn is_judged(row: &ChannelRow, observations: &Observations) -> bool {
+    let is_measured = || observations.range(row.channel).is_some();
+    observations.is_sent(row.channel) && (reaches_keys(row.dof) || is_measured())
+}
+
+/// Returns `true` for a joint of the arm or of the index finger.
+fn reaches_keys(dof: Dof) -> bool {
+    matches!(dof.finger(), None | Some(Finger::Index))
 }
 
 /// Returns the curvatures that the poses show. A channel without one keeps the curvature of the starting glove, with which the values
@@ -198,9 +210,8 @@ fn unusable(problems: &[Problem], rows: usize) -> Vec<Problem> {
     let unusable: Vec<&Problem> = unusable
         .filter(|problem| problem.severity() == Severity::Unusable)
         .collect();
-    let reaches = |dof: Dof| matches!(dof.finger(), None | Some(Finger::Index));
     let is_swapped = |problem: &Problem| matches!(problem, Problem::SwappedChannels { .. });
-    let is_refused = |problem: &&Problem| reaches(problem.dof()) || is_swapped(problem);
+    let is_refused = |problem: &&Problem| reaches_keys(problem.dof()) || is_swapped(problem);
     let are_many = unusable.len() as f64 > MAX_UNUSABLE * rows as f64;
     if are_many {
         unusable.into_iter().cloned().collect()

@@ -175,6 +175,43 @@ fn a_dead_sensor_of_a_finger_is_named_and_one_of_the_elbow_refused() {
 }
 
 #[test]
+fn fingers_without_a_count_are_not_judged_except_for_the_index_finger() {
+    let without = |fingers: &[Finger]| {
+        let map = shipped();
+        let is_absent = |row: &&ChannelRow| {
+            let finger = row.dof.finger();
+            finger.is_some_and(|finger| fingers.contains(&finger))
+        };
+        let absent = map.rows().iter().filter(is_absent);
+        let absent: Vec<usize> = absent.map(|row| row.channel).collect();
+        let whole = observe(CalibrationPose::GUIDED, |pose, channel| {
+            40.0 + 0.7 * exact(pose, channel)
+        });
+        let mut observations = Observations::default();
+        for pose in whole.poses() {
+            let mut seen = pose.clone();
+            seen.channels.retain(|it| !absent.contains(&it.channel));
+            observations.insert(seen);
+        }
+        fit(&observations, &map)
+    };
+    let three = without(&[Finger::Thumb, Finger::Ring, Finger::Little]).unwrap();
+    assert_eq!(three.problems, []);
+    assert!(three.score > 80, "{}", three.score);
+    let ring = Dof::RingMcpFlexion;
+    assert_eq!(
+        row(&three.map, ring).calibration,
+        row(&shipped(), ring).calibration
+    );
+    let refused = problems(without(&[Finger::Index]).unwrap_err());
+    let is_missing = |problem: &Problem| matches!(problem, Problem::MissingChannel { .. });
+    assert!(
+        !refused.is_empty() && refused.iter().all(is_missing),
+        "{refused:?}"
+    );
+}
+
+#[test]
 fn an_inverted_sensor_is_corrected_and_named() {
     let observations = observe(CalibrationPose::GUIDED, |pose, channel| match channel {
         12 => 255.0 - exact(pose, channel),
