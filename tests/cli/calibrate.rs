@@ -327,6 +327,7 @@ fn a_headset_measures_the_hand_the_table_and_the_place_of_a_board() {
 #[cfg(target_os = "linux")]
 mod on_a_terminal {
     use super::*;
+    use crate::support::home_made_glove::{BUILD, Wearer};
 
     fn start(folder: &TempDir, countdown: &str) -> Screen {
         let mut command = ademan(["calibrate", "--demo", "--out", "mine"]);
@@ -375,6 +376,25 @@ mod on_a_terminal {
         assert_eq!(read(&folder, "mine.ron.bak"), "precious");
         let glove = Document::new("mine.ron", read(&folder, "mine.ron"));
         Glove::parse(&glove).expect("a glove");
+    }
+
+    #[test]
+    fn a_glove_of_another_protocol_is_named_while_its_readings_are_awaited() {
+        let folder = folder();
+        let wearer = Wearer::start(BUILD);
+        let source = format!("serial:{}", wearer.port());
+        let mut command = ademan(["calibrate", "--out", "mine", "--source", &source]);
+        command.current_dir(folder.path());
+        set_terminal(&mut command);
+        let mut screen = Screen::start(&command, 80, 24);
+        let keys = "r repeat   b back   s skip   q quit";
+        let named = screen.wait_until("advice above the keys", |shown| {
+            shown.contains("protocol=lucidgloves") && shown.contains(keys)
+        });
+        println!("{named}");
+        screen.type_keys("q");
+        assert_eq!(screen.wait().code(), Some(1));
+        screen.assert_restored();
     }
 
     #[test]

@@ -11,6 +11,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Widget;
 
 use super::figure::Figure;
+use crate::messages;
 use crate::view::look::Look;
 
 /// The smallest width of the picture and of the sensors.
@@ -26,9 +27,12 @@ const BAR: usize = 12;
 /// The width of the bar of the time for which a pose is held.
 const HOLD_BAR: usize = 20;
 
-/// The rows above and below picture and sensors.
+/// The rows above picture and sensors, and those below without the message.
 const ROWS_ABOVE: u16 = 4;
-const ROWS_BELOW: u16 = 4;
+const ROWS_BELOW: u16 = 3;
+
+/// The most rows of a message.
+const MAX_MESSAGE: usize = 4;
 
 /// The content of the screen.
 pub struct Screen<'a> {
@@ -49,6 +53,9 @@ pub struct Screen<'a> {
 impl Screen<'_> {
     pub fn draw(&self, buffer: &mut Buffer) {
         let window = buffer.area;
+        let broken = messages::row("", self.message.trim_start(), window.width.into());
+        let message: Vec<&str> = broken.lines().take(MAX_MESSAGE).collect();
+        let message_rows = message.len().max(1) as u16;
         let line = |row: u16, line: Line, target: &mut Buffer| {
             if row < window.height {
                 line.render(Rect::new(0, row, window.width, 1), target);
@@ -59,7 +66,7 @@ impl Screen<'_> {
         let [first, second] = self.instruction(window.width);
         line(2, first, buffer);
         line(3, second, buffer);
-        let bottom = window.height.saturating_sub(ROWS_BELOW);
+        let bottom = window.height.saturating_sub(ROWS_BELOW + message_rows);
         let room = bottom.saturating_sub(ROWS_ABOVE);
         let sensors = SENSORS.min(window.width);
         let picture = window.width.saturating_sub(sensors + 1);
@@ -77,9 +84,12 @@ impl Screen<'_> {
             self.draw_sensors(buffer, Rect::new(0, ROWS_ABOVE, sensors, room));
         }
         line(bottom + 1, self.status(), buffer);
-        line(bottom + 2, Line::from(self.message), buffer);
+        for (row, words) in (bottom + 2..).zip(message) {
+            line(row, Line::from(words), buffer);
+        }
         let keys = " r repeat   b back   s skip   q quit";
-        line(bottom + 3, Line::styled(keys, self.look.faint()), buffer);
+        let last = bottom + 2 + message_rows;
+        line(last, Line::styled(keys, self.look.faint()), buffer);
         self.look.apply(buffer);
     }
 

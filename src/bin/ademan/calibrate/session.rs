@@ -49,6 +49,8 @@ pub struct Session<'a> {
     feed: Feed,
     state: CaptureState,
     message: String,
+    /// `true` once the source was lost.
+    was_lost: bool,
 }
 
 impl<'a> Session<'a> {
@@ -68,6 +70,7 @@ impl<'a> Session<'a> {
             message: format!("waiting for readings of {}", feed.name()),
             feed,
             state: CaptureState::Moving,
+            was_lost: false,
         }
     }
 
@@ -183,8 +186,11 @@ impl<'a> Session<'a> {
                     ProcedureState::Finished => return Ok(Some(())),
                 }
             }
-            FeedEvent::Idle => {}
-            FeedEvent::Lost(reason) => self.message = reason,
+            FeedEvent::Idle => self.show_warning(),
+            FeedEvent::Lost(reason) => {
+                self.message = reason;
+                self.was_lost = true;
+            }
             FeedEvent::End => {
                 return Err(Failure::job(format!(
                     "{} ended at pose {} of {}; start again when it sends readings",
@@ -196,6 +202,16 @@ impl<'a> Session<'a> {
         }
         // The last pose may have been skipped.
         Ok(self.procedure.pose().is_none().then_some(()))
+    }
+
+    /// Shows why the first reading does not come, as far as the source has found out. The screen holds back its warnings.
+    fn show_warning(&mut self) {
+        if !self.readings.is_empty() || self.was_lost {
+            return;
+        }
+        if let Some(warning) = messages::latest(1).pop() {
+            self.message = warning;
+        }
     }
 
     fn check_shape(&self, channels: &Channels) -> Result<(), Failure> {
