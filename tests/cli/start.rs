@@ -4,6 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use ademan::capture::SourceUri;
+use ademan::hand::Side;
 use ademan::setup::Setup;
 use tempfile::TempDir;
 
@@ -130,6 +132,30 @@ fn the_glove_with_an_arm_gets_a_keyboard_and_nothing_is_replaced_unasked() {
         fs::read(folder.path().join("mine.ron.bak")).expect("a file"),
         before
     );
+}
+
+#[test]
+fn the_hand_of_a_source_or_a_glove_that_is_named_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let camera = "udp:127.0.0.1:9000?protocol=hand-landmarks&hand=left";
+    run(&folder, &["--yes", "--source", camera, "--out", "left.ron"]).done();
+    let setup = load(&folder.path().join("left.ron"));
+    let hand = setup.source.as_ref().and_then(SourceUri::hand);
+    assert_eq!(hand, Some(Side::Left));
+    let serial = "serial:/dev/ttyNOWHERE?protocol=lucidgloves";
+    let worn = ["--yes", "--source", serial, "--glove", "lucidgloves-left"];
+    run(&folder, &[&worn[..], &["--out", "worn.ron"]].concat()).done();
+    let glove = load(&folder.path().join("worn.ron")).glove;
+    assert_eq!(glove.as_deref(), Some("lucidgloves-left"));
+    let wrong = [&worn[..], &["--out", "wrong.ron", "--hand", "right"]].concat();
+    let refused = run(&folder, &wrong);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert!(
+        refused.err.contains("is for the left hand"),
+        "{}",
+        refused.err
+    );
+    assert_eq!(names(folder.path()), ["left.ron", "worn.ron"]);
 }
 
 #[test]

@@ -10,8 +10,9 @@ use std::path::{Path, PathBuf};
 
 use ademan::capture::SourceUri;
 use ademan::document::Document;
-use ademan::files;
+use ademan::files::{self, Load};
 use ademan::hand::Side;
+use ademan::layout::Glove;
 use ademan::message::{escape, escape_path, shell_word};
 use ademan::setup::{OWN_SETUP, Setup};
 
@@ -149,15 +150,35 @@ fn setup_path(args: &Args) -> Result<PathBuf, Failure> {
 
 /// Returns a setup with the source and the glove of the hand that is measured.
 fn worn(source: SourceUri, args: &Args, questions: &Questions) -> Result<Setup, Failure> {
-    let side = match args.hand {
-        Some(side) => side,
-        None => questions.ask("which hand is measured, right or left", "right", |answer| {
-            answer
-                .parse()
-                .map_err(|_| "answer `right` or `left`".to_owned())
-        })?,
+    let side = match (args.hand, side_of_glove(&source, args)?) {
+        (Some(side), Some(worn)) if side != worn => {
+            return Err(Failure::wrong_use(format!(
+                "the glove of --glove is for the {worn} hand; leave out --hand, or name a glove for the {side} hand"
+            )));
+        }
+        (Some(side), _) | (None, Some(side)) => side,
+        (None, None) => {
+            let proposal = source.hand().unwrap_or(Side::Right).name();
+            questions.ask(
+                "which hand is measured, right or left",
+                proposal,
+                |answer| {
+                    answer
+                        .parse()
+                        .map_err(|_| "answer `right` or `left`".to_owned())
+                },
+            )?
+        }
     };
     Ok(Setup::for_hand(Some(source), side, args.glove.clone()))
+}
+
+/// Returns the hand of the glove that is named, if the source needs one.
+fn side_of_glove(source: &SourceUri, args: &Args) -> Result<Option<Side>, Failure> {
+    match &args.glove {
+        Some(name) if source.needs_glove() => Ok(Some(Glove::load(name)?.side)),
+        _ => Ok(None),
+    }
 }
 
 /// Calibrates a new glove file beside the setup file, if the source needs one and the person wants it.
