@@ -230,6 +230,27 @@ fn sources_that_need_no_glove_or_are_not_named_are_refused() {
     assert!(typist_errors.contains("ended at pose"), "{typist_errors}");
 }
 
+/// Calibrates a simulated person in a folder with this setup of every run.
+fn calibrate_beside(setup: &str, folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
+    let config = folder.path().join("config");
+    fs::create_dir_all(config.join("ademan")).expect("a folder");
+    fs::write(config.join("ademan/setup.ron"), setup).expect("a file");
+    let mut command = ademan(["calibrate", "--demo"]);
+    command.args(arguments).env("XDG_CONFIG_HOME", config);
+    ended(folder, &mut command)
+}
+
+#[test]
+fn the_glove_of_the_other_hand_of_a_setup_is_calibrated() {
+    let folder = folder();
+    let setup = "Setup(glove: \"unam-hc11\", other_hand: (glove: \"unam-hc11-left\"))";
+    let arguments = ["--glove", "unam-hc11-left", "--out", "mine"];
+    let (code, _, errors) = calibrate_beside(setup, &folder, &arguments);
+    assert_eq!(code, 0, "{errors}");
+    let glove = Glove::parse(&Document::new("mine.ron", read(&folder, "mine.ron")));
+    assert_eq!(glove.expect("a glove").side, Side::Left);
+}
+
 #[test]
 fn typed_lengths_are_checked_and_give_the_line_for_the_setup() {
     let folder = folder();

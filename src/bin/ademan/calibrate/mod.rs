@@ -129,8 +129,9 @@ impl Args {
             self.person.clone(),
         );
         let mut setup = flags.read_setup(self.setup.as_deref())?;
-        // The glove that is calibrated may have no ranges yet.
+        // The glove that is calibrated may have no ranges yet, and may be for the other hand of the setup.
         setup.learn_ranges = false;
+        setup.other_hand = None;
         Ok(setup.load_files()?)
     }
 }
