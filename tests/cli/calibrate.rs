@@ -252,6 +252,15 @@ fn the_glove_of_the_other_hand_of_a_setup_is_calibrated() {
 }
 
 #[test]
+fn a_simulated_person_wears_a_glove_beside_a_setup_with_a_camera() {
+    let folder = folder();
+    let setup = "Setup(source: \"udp:127.0.0.1:9000?protocol=hand-landmarks\")";
+    let (code, out, errors) = calibrate_beside(setup, &folder, &["--out", "mine"]);
+    assert_eq!(code, 0, "{errors}");
+    assert!(out.contains("wrote mine.ron"), "{out}");
+}
+
+#[test]
 fn typed_lengths_are_checked_and_give_the_line_for_the_setup() {
     let folder = folder();
     let lengths = ["--hand-length", "189", "--forearm-length", "262"];

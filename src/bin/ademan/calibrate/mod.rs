@@ -132,6 +132,10 @@ impl Args {
         // The glove that is calibrated may have no ranges yet, and may be for the other hand of the setup.
         setup.learn_ranges = false;
         setup.other_hand = None;
+        if self.demo.is_some() {
+            // The simulated person wears a glove, also beside a setup with a camera.
+            setup.source = setup.source.filter(SourceUri::needs_glove);
+        }
         Ok(setup.load_files()?)
     }
 }
