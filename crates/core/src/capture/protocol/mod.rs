@@ -139,29 +139,58 @@ pub struct ProtocolOption {
     pub check: fn(&str) -> Result<(), String>,
 }
 
-/// Checked options of a protocol. Only those that differ from their defaults are stored.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ProtocolOptions(Vec<(&'static str, String)>);
+/// Checked options of a protocol. Two with the same values are equal, whether defaults were stated or not.
+#[derive(Clone, Debug, Default)]
+pub struct ProtocolOptions(Vec<StatedOption>);
+
+/// An option that was stated.
+#[derive(Clone, Debug)]
+struct StatedOption {
+    name: &'static str,
+    value: String,
+    is_default: bool,
+}
 
 impl ProtocolOptions {
     /// Returns the value of `option`.
     pub fn get<'a>(&'a self, option: &ProtocolOption) -> &'a str {
-        let stored = self.0.iter().find(|(name, _)| *name == option.name);
-        stored.map_or(option.default, |(_, value)| value.as_str())
+        let stated = self.0.iter().find(|stated| stated.name == option.name);
+        stated.map_or(option.default, |stated| stated.value.as_str())
     }
 
     /// Checks and stores a value.
     pub fn set(&mut self, option: &ProtocolOption, value: &str) -> Result<(), String> {
         // A message quotes the value; no valid one is escaped.
         (option.check)(&escape(value))?;
-        self.0.retain(|(name, _)| *name != option.name);
-        if value != option.default {
-            self.0.push((option.name, value.to_owned()));
-            self.0.sort_unstable();
-        }
+        self.0.retain(|stated| stated.name != option.name);
+        self.0.push(StatedOption {
+            name: option.name,
+            value: value.to_owned(),
+            is_default: value == option.default,
+        });
+        self.0.sort_unstable_by_key(|stated| stated.name);
         Ok(())
     }
+
+    /// Returns `true` if a value was stated, be it the default.
+    pub fn is_stated(&self, option: &ProtocolOption) -> bool {
+        self.0.iter().any(|stated| stated.name == option.name)
+    }
+
+    /// Returns the values that differ from their defaults, by name.
+    fn deviating(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let deviating = self.0.iter().filter(|stated| !stated.is_default);
+        deviating.map(|stated| (stated.name, stated.value.as_str()))
+    }
 }
+
+impl PartialEq for ProtocolOptions {
+    fn eq(&self, other: &Self) -> bool {
+        self.deviating().eq(other.deviating())
+    }
+}
+
+impl Eq for ProtocolOptions {}
 
 /// Returns options with these values.
 #[cfg(test)]
@@ -262,7 +291,7 @@ impl fmt::Display for StreamFormat {
     /// Writes the options of a source URI that give this format, with the leading `?`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "?protocol={}", self.protocol.name)?;
-        for (name, value) in &self.options.0 {
+        for (name, value) in self.options.deviating() {
             write!(f, "&{name}={value}")?;
         }
         match self.baud {

@@ -29,7 +29,7 @@ impl LowCounts {
     pub fn new(format: &StreamFormat) -> Self {
         let is_lucidgloves = format.protocol.name == PROTOCOL.name;
         Self {
-            is_watching: is_lucidgloves && format.options.get(&MAX) == MAX.default,
+            is_watching: is_lucidgloves && !format.options.is_stated(&MAX),
             lowest: LARGEST_COUNT,
             bent: 0,
         }
