@@ -408,10 +408,10 @@ impl LoadedSetup {
                 let stream = Box::new(self.scripted(script, &format, 0.0, 0)?);
                 Box::new(SidedSource::new(stream, sides))
             }
-            _ => {
-                let mut opened = capture::open(source)?;
-                opened.set_max_age(self.pipeline.stall_timeout);
+            SourceUri::Stream(stream) => {
                 let sides: ArrayVec<Side, { Side::COUNT }> = sides.into_iter().collect();
+                let mut opened = capture::open(&SourceUri::Stream(stream.for_sides(&sides)))?;
+                opened.set_max_age(self.pipeline.stall_timeout);
                 let has_two_gloves = source.needs_glove() && sides.len() > 1;
                 if source.has_both_hands() {
                     Box::new(SidedSource::new(opened, sides))

@@ -247,6 +247,16 @@ impl StreamFormat {
         self
     }
 
+    /// Returns the format of a stream that shows `side` unless its options state a hand.
+    #[must_use]
+    pub fn for_hand_unless_stated(self, side: Side) -> Self {
+        if self.options.is_stated(&space::HAND) {
+            self
+        } else {
+            self.for_hand(side)
+        }
+    }
+
     /// Returns the hand that the option `hand` names; `None` if the protocol does not have it.
     pub fn hand(&self) -> Option<Side> {
         let mut options = self.protocol.options.iter();

@@ -27,6 +27,7 @@ use super::connection::Connector;
 use super::protocol::StreamFormat;
 use super::stream::StreamSource;
 use super::{CaptureError, Source};
+use ademan_core::hand::Side;
 use ademan_core::message::escape;
 
 pub(crate) use self::openxr::{HAS_OPENXR, describe_runtime};
@@ -146,6 +147,17 @@ impl StreamUri {
             pages: None,
             rate_hz: None,
         }
+    }
+
+    /// Returns the stream for the hands that it measures in a setup: one that shows a single hand, and does not state which, shows the
+    /// hand of the setup.
+    #[must_use]
+    pub fn for_sides(&self, sides: &[Side]) -> Self {
+        let mut stream = self.clone();
+        if let ([side], false) = (sides, stream.format.protocol.has_both_hands) {
+            stream.format = stream.format.for_hand_unless_stated(*side);
+        }
+        stream
     }
 }
 

@@ -23,6 +23,24 @@ fn hc11(framing: Framing, baud: u32) -> Hc11Format {
 }
 
 #[test]
+fn a_stream_of_one_hand_shows_the_hand_of_the_setup_unless_it_states_one() {
+    let shown = |protocol: &str, sides: &[Side]| {
+        let uri = format!("udp:127.0.0.1:9000?protocol={protocol}");
+        match uri.parse::<SourceUri>() {
+            Ok(SourceUri::Stream(stream)) => stream.for_sides(sides).format.hand(),
+            other => panic!("{other:?}"),
+        }
+    };
+    let left = &[Side::Left];
+    assert_eq!(shown("markers", left), Some(Side::Left));
+    assert_eq!(shown("markers", &[Side::Right]), Some(Side::Right));
+    assert_eq!(shown("markers&hand=right", left), Some(Side::Right));
+    assert_eq!(shown("markers&hand=left", &[]), Some(Side::Left));
+    assert_eq!(shown("hand-landmarks", left), Some(Side::Right));
+    assert_eq!(shown("opentrack", left), None, "it has no such option");
+}
+
+#[test]
 fn every_kind_of_source_has_a_uri() {
     let default = Hc11Format::default();
     let slow = hc11(Framing::Double06, 9600);
