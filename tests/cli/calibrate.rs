@@ -8,7 +8,7 @@ use ademan::calibrate::{
     CalibrationPose, CaptureState, MARKS_KIND, Procedure, ProcedureState, marks_to_text,
 };
 use ademan::capture::recording::RecordedSetup;
-use ademan::capture::{Channels, Reading, Sample};
+use ademan::capture::{Reading, Sample};
 use ademan::document::Document;
 use ademan::estimate::Estimate;
 use ademan::files::{Load, OpenDocument};
@@ -185,25 +185,34 @@ fn the_channels_of_an_unknown_glove_are_found_and_the_new_file_is_calibrated() {
 }
 
 /// Records the calibration of a person.
-fn record(path: &Path, glove: &Glove, mut wearer: SimulatedWearer) {
+fn record(path: &Path, glove: &Glove, wearer: SimulatedWearer) {
+    let (setup, readings) = take_poses(glove, wearer);
+    write_readings(path, &setup, &readings);
+}
+
+/// Returns the readings of a person who takes all poses, with the marks of the poses.
+pub fn take_poses(glove: &Glove, mut wearer: SimulatedWearer) -> (RecordedSetup, Vec<Reading>) {
     let mut procedure = Procedure::for_glove(&glove.map, Duration::from_secs(1));
-    let mut readings: Vec<(Timestamp, Channels)> = Vec::new();
+    let mut readings = Vec::new();
     while let Some(pose) = procedure.pose() {
         wearer.take(pose);
         let (time, channels) = wearer.next_packet();
         let state = procedure.push(time, &channels);
         assert!(time.seconds() < 600.0, "{pose} is not captured: {state:?}");
-        readings.push((time, channels));
+        readings.push(Reading::new(time, None, Sample::Channels(channels)));
         if let ProcedureState::Pose(_, CaptureState::Captured) = state {
             println!("{pose} at {:.1} s", time.seconds());
         }
     }
-    let setup =
-        RecordedSetup::default().with(MARKS_KIND, "poses", &marks_to_text(procedure.marks()));
-    let mut recorder = Recorder::create(path, &setup).expect("a recording");
-    for (time, channels) in readings {
-        let reading = Reading::new(time, None, Sample::Channels(channels));
-        recorder.write_reading(&reading).expect("it is written");
+    let marks = marks_to_text(procedure.marks());
+    let setup = RecordedSetup::default().with(MARKS_KIND, "poses", &marks);
+    (setup, readings)
+}
+
+pub fn write_readings(path: &Path, setup: &RecordedSetup, readings: &[Reading]) {
+    let mut recorder = Recorder::create(path, setup).expect("a recording");
+    for reading in readings {
+        recorder.write_reading(reading).expect("it is written");
     }
     recorder.finish().expect("it is written");
 }
@@ -228,36 +237,6 @@ fn sources_that_need_no_glove_or_are_not_named_are_refused() {
     let (typist_code, _, typist_errors) = calibrate(&folder, &["--source", "typist:hello"]);
     assert_eq!(typist_code, 1);
     assert!(typist_errors.contains("ended at pose"), "{typist_errors}");
-}
-
-/// Calibrates a simulated person in a folder with this setup of every run.
-fn calibrate_beside(setup: &str, folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
-    let config = folder.path().join("config");
-    fs::create_dir_all(config.join("ademan")).expect("a folder");
-    fs::write(config.join("ademan/setup.ron"), setup).expect("a file");
-    let mut command = ademan(["calibrate", "--demo"]);
-    command.args(arguments).env("XDG_CONFIG_HOME", config);
-    ended(folder, &mut command)
-}
-
-#[test]
-fn the_glove_of_the_other_hand_of_a_setup_is_calibrated() {
-    let folder = folder();
-    let setup = "Setup(glove: \"unam-hc11\", other_hand: (glove: \"unam-hc11-left\"))";
-    let arguments = ["--glove", "unam-hc11-left", "--out", "mine"];
-    let (code, _, errors) = calibrate_beside(setup, &folder, &arguments);
-    assert_eq!(code, 0, "{errors}");
-    let glove = Glove::parse(&Document::new("mine.ron", read(&folder, "mine.ron")));
-    assert_eq!(glove.expect("a glove").side, Side::Left);
-}
-
-#[test]
-fn a_simulated_person_wears_a_glove_beside_a_setup_with_a_camera() {
-    let folder = folder();
-    let setup = "Setup(source: \"udp:127.0.0.1:9000?protocol=hand-landmarks\")";
-    let (code, out, errors) = calibrate_beside(setup, &folder, &["--out", "mine"]);
-    assert_eq!(code, 0, "{errors}");
-    assert!(out.contains("wrote mine.ron"), "{out}");
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod bvh;
 mod calibrate;
 #[cfg(target_os = "linux")]
 mod calibrate_faults;
+mod calibrate_hands;
 #[cfg(target_os = "linux")]
 mod calibrate_interrupted;
 mod camera_pictures;

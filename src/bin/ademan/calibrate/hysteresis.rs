@@ -52,9 +52,9 @@ pub fn run(hysteresis: &Hysteresis, args: Args) -> Result<(), Failure> {
     let (found, missing) = match hysteresis {
         Hysteresis::Percent(percent) => of_ranges(map, *percent),
         Hysteresis::Measured(path) => {
-            let recorded = recording::read(path)?;
+            let readings = recording::read(path)?.take_readings(start.glove.side)?;
             let mut cycles = SensorRecording::new(Some(map.angle_channels()));
-            for (time, counts) in &recorded.readings {
+            for (time, counts) in &readings {
                 cycles.push(*time, counts);
             }
             measured(map, &cycles)

@@ -189,15 +189,15 @@ impl Start {
 
 fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
     let lengths = args.lengths.both()?;
-    let recorded = recording::read(path)?;
-    let document = match (&args.glove, recorded.glove) {
+    let mut recorded = recording::read(path)?;
+    let document = match (&args.glove, recorded.glove.take()) {
         (None, Some(document)) => document,
         _ => glove_document(&args.load_setup()?)?,
     };
     let start = Start::new(document)?;
     let destination = Destination::new(args.out, &start.document, args.force)?;
-    let observations =
-        calibrate::observe_recording(&recorded.readings, &recorded.marks, &start.glove.map)?;
+    let readings = recorded.take_readings(start.glove.side)?;
+    let observations = calibrate::observe_recording(&readings, &recorded.marks, &start.glove.map)?;
     if start.finish(&observations, &destination)? {
         print_setup_fields(&escape_path(destination.path()), lengths)?;
     }

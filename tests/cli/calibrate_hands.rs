@@ -1,0 +1,83 @@
+//! `ademan calibrate` beside a setup of every run, and with recordings of two hands.
+
+use std::fs;
+
+use ademan::capture::{Reading, Sample};
+use ademan::document::Document;
+use ademan::files::OpenDocument;
+use ademan::hand::Side;
+use ademan::layout::Glove;
+use ademan::sim::SimulatedWearer;
+use tempfile::TempDir;
+
+use crate::ademan;
+use crate::calibrate::{calibrate, ended, folder, read, take_poses, write_readings};
+
+/// Calibrates a simulated person in a folder with this setup of every run.
+fn calibrate_beside(setup: &str, folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
+    let config = folder.path().join("config");
+    fs::create_dir_all(config.join("ademan")).expect("a folder");
+    fs::write(config.join("ademan/setup.ron"), setup).expect("a file");
+    let mut command = ademan(["calibrate", "--demo"]);
+    command.args(arguments).env("XDG_CONFIG_HOME", config);
+    ended(folder, &mut command)
+}
+
+#[test]
+fn the_glove_of_the_other_hand_of_a_setup_is_calibrated() {
+    let folder = folder();
+    let setup = "Setup(glove: \"unam-hc11\", other_hand: (glove: \"unam-hc11-left\"))";
+    let arguments = ["--glove", "unam-hc11-left", "--out", "mine"];
+    let (code, _, errors) = calibrate_beside(setup, &folder, &arguments);
+    assert_eq!(code, 0, "{errors}");
+    let glove = Glove::parse(&Document::new("mine.ron", read(&folder, "mine.ron")));
+    assert_eq!(glove.expect("a glove").side, Side::Left);
+}
+
+#[test]
+fn a_simulated_person_wears_a_glove_beside_a_setup_with_a_camera() {
+    let folder = folder();
+    let setup = "Setup(source: \"udp:127.0.0.1:9000?protocol=hand-landmarks\")";
+    let (code, out, errors) = calibrate_beside(setup, &folder, &["--out", "mine"]);
+    assert_eq!(code, 0, "{errors}");
+    assert!(out.contains("wrote mine.ron"), "{out}");
+}
+
+#[test]
+fn a_recording_of_two_gloves_calibrates_the_glove_of_one_hand() {
+    let folder = folder();
+    let shipped = Document::open("unam-hc11").expect("a glove");
+    let glove = Glove::parse(&shipped).expect("a glove");
+    let (setup, alone) = take_poses(&glove, SimulatedWearer::new(1, &glove.map, glove.side));
+    let of = |side: Side, reading: &Reading, is_flat: bool| {
+        let Sample::Channels(mut counts) = reading.sample.clone() else {
+            panic!("{reading:?}");
+        };
+        if is_flat {
+            counts.counts.iter_mut().for_each(|count| *count = 100);
+        }
+        Reading::new(reading.time, Some(side), Sample::Channels(counts))
+    };
+    let left: Vec<Reading> = alone.iter().map(|it| of(Side::Left, it, true)).collect();
+    let both = alone.iter().zip(&left);
+    let both: Vec<Reading> = both
+        .flat_map(|(own, other)| [other.clone(), of(Side::Right, own, false)])
+        .collect();
+    for (name, readings) in [("one", &alone), ("two", &both), ("left", &left)] {
+        let path = folder.path().join(format!("{name}.mcap"));
+        write_readings(&path, &setup, readings);
+    }
+    let from = |name: &str| {
+        let recording = format!("{name}.mcap");
+        let arguments = ["--from", &recording, "--glove", "unam-hc11", "--out", name];
+        calibrate(&folder, &arguments)
+    };
+    for name in ["one", "two"] {
+        let (code, _, errors) = from(name);
+        assert_eq!(code, 0, "{name}: {errors}");
+    }
+    assert_eq!(read(&folder, "two.ron"), read(&folder, "one.ron"));
+    let (refused, _, reason) = from("left");
+    assert_eq!(refused, 2, "{reason}");
+    assert!(reason.contains("of the left hand only"), "{reason}");
+}
