@@ -46,6 +46,11 @@ impl LiveFit {
         }
     }
 
+    /// Forgets the lengths: the next readings may show another person.
+    pub fn reset(&mut self) {
+        self.bones.clear();
+    }
+
     /// Moves the points of a reading so that the bones have their lengths and the sum of the squared distances is least, as
     /// [`fit_bones`] does. The bones form trees, each after those before it, and their points are finite.
     pub fn fit(&mut self, points: &mut [DVec3], seen: &[SeenBone]) {

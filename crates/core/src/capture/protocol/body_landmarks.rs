@@ -80,6 +80,12 @@ impl LineParser for BodyParser {
         emit(Packet::new(Sample::Body(body), 0));
         Ok(())
     }
+
+    fn reset(&mut self) {
+        if let Some(fit) = &mut self.bones {
+            fit.reset();
+        }
+    }
 }
 
 /// The fields of a line that count.
@@ -286,6 +292,29 @@ mod tests {
         let (free, fixed) = (spread_mm("free"), spread_mm("fixed"));
         println!("spread of the forearm at 1 mm of noise: {free:.2} mm free, {fixed:.5} mm fixed");
         assert!(free > 5.0 && fixed < 0.001, "{free} {fixed}");
+    }
+
+    #[test]
+    fn fixed_bones_are_measured_again_after_the_stream_broke_off() {
+        let mut options = ProtocolOptions::default();
+        options.set(&BONES, "fixed").unwrap();
+        let mut decoder = (PROTOCOL.decoder)(&options);
+        for forearm in [0.26_f32, 0.3] {
+            let mut body = some_body();
+            body.points[13].position = [0.2, 0.3, 0.0];
+            body.points[15].position = [0.2 + forearm, 0.3, 0.0];
+            let mut length = 0.0;
+            decoder.push(encode(&body).repeat(100).as_bytes(), &mut |packet| {
+                let Sample::Body(fitted) = packet.sample else {
+                    panic!("no body");
+                };
+                let [elbow, wrist] =
+                    [13, 15].map(|index: usize| glam::Vec3::from(fitted.points[index].position));
+                length = elbow.distance(wrist);
+            });
+            assert!((length - forearm).abs() < 1e-4, "{length}, not {forearm}");
+            decoder.reset();
+        }
     }
 
     #[test]

@@ -187,6 +187,9 @@ impl LineParser for MarkerParser {
     fn reset(&mut self) {
         self.tracker.reset();
         self.markers.reset();
+        if let Some(fit) = &mut self.bones {
+            fit.reset();
+        }
         self.times = LineTimes::default();
     }
 }
