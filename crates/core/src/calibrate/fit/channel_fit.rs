@@ -76,7 +76,11 @@ impl ChannelFit {
         let defined = points(channel, primary.dof, observations, true);
         let gain = fit_line(&defined).map_or(0.0, |line| line.map.gain);
         fit.is_inverted = gain * primary.calibration.gain < 0.0;
-        let prior = Prior::for_sensor(start.uses_full_range(), fit.is_inverted);
+        // A glove that was calibrated with exchanged wires counts in their direction; its curvature still shows them.
+        let mut old = start.curvatures().iter();
+        let was_exchanged = old.any(|(other, counts)| *other == channel && *counts < 0.0);
+        let is_exchanged = fit.is_inverted != was_exchanged;
+        let prior = Prior::for_sensor(start.uses_full_range(), is_exchanged);
         let curvature = curvature::estimate(&defined, prior);
         let (low, high) = curvature::range(&defined);
         if high > low {

@@ -32,13 +32,13 @@ pub(super) struct Prior {
 impl Prior {
     /// Returns the expectation for a sensor. The counts of a sensor with exchanged wires fall with its resistance, and bend the
     /// other way.
-    pub(super) fn for_sensor(uses_full_range: bool, is_inverted: bool) -> Self {
+    pub(super) fn for_sensor(uses_full_range: bool, is_exchanged: bool) -> Self {
         let prior = if uses_full_range {
             LINEAR_SENSOR
         } else {
             BEND_SENSOR
         };
-        let sign = if is_inverted { -1.0 } else { 1.0 };
+        let sign = if is_exchanged { -1.0 } else { 1.0 };
         Self {
             mean: sign * prior.mean,
             ..prior

@@ -224,6 +224,10 @@ fn an_inverted_sensor_is_corrected_and_named() {
         dof: Dof::IndexMcpFlexion,
     };
     assert_eq!(result.problems, [expected]);
+    // A calibration that starts from this one finds the same.
+    let again = fit(&observations, &result.map).unwrap();
+    assert_eq!(again.problems, []);
+    assert_eq!(again.map.curvatures(), result.map.curvatures());
 }
 
 #[test]
