@@ -138,12 +138,14 @@ fn the_glove_with_an_arm_gets_a_keyboard_and_nothing_is_replaced_unasked() {
 fn the_hand_of_a_source_or_a_glove_that_is_named_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let camera = "udp:127.0.0.1:9000?protocol=hand-landmarks&hand=left";
-    run(&folder, &["--yes", "--source", camera, "--out", "left.ron"]).done();
+    let chords = ["--yes", "--layout", "chords-bend", "--source"];
+    let left = [&chords[..], &[camera, "--out", "left.ron"]].concat();
+    run(&folder, &left).done();
     let setup = load(&folder.path().join("left.ron"));
     let hand = setup.source.as_ref().and_then(SourceUri::hand);
     assert_eq!(hand, Some(Side::Left));
     let serial = "serial:/dev/ttyNOWHERE?protocol=lucidgloves";
-    let worn = ["--yes", "--source", serial, "--glove", "lucidgloves-left"];
+    let worn = [&chords[..], &[serial, "--glove", "lucidgloves-left"]].concat();
     run(&folder, &[&worn[..], &["--out", "worn.ron"]].concat()).done();
     let glove = load(&folder.path().join("worn.ron")).glove;
     assert_eq!(glove.as_deref(), Some("lucidgloves-left"));
