@@ -100,6 +100,10 @@ fn a_glove_that_sends_five_curls_is_calibrated_and_types_with_its_file() {
     assert!(!out.contains("dead"), "{out}");
     let next = "use it: ademan run --glove mine.ron --source 'serial:";
     assert!(out.contains(next), "{out}");
+    assert!(
+        out.contains("' --layout chords-bend\n"),
+        "it measures no arm: {out}"
+    );
     assert_usable(&folder, "mine.ron", &BUILD);
     // The recording knows what was not sent.
     let again = ["calibrate", "--from", "mine.mcap", "--out", "again.ron"];

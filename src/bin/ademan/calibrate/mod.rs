@@ -238,7 +238,11 @@ fn calibrate_live(args: Args) -> Result<Outcome, Failure> {
             || "…".to_owned(),
             |uri| shell_word(&uri.to_string()).into_owned(),
         );
-        writeln!(out, "use it: ademan run --glove {file} --source {word}")?;
+        let layout = layout_option(&setup, &start.glove);
+        writeln!(
+            out,
+            "use it: ademan run --glove {file} --source {word}{layout}"
+        )?;
         if start.glove.map.hystereses().is_empty() && !start.glove.map.uses_full_range() {
             writeln!(
                 out,
@@ -248,6 +252,17 @@ fn calibrate_live(args: Args) -> Result<Outcome, Failure> {
     }
     // A failure to keep the recording is reported last: it loses less than a failure to write the glove file.
     kept.map(|()| Outcome::Finished)
+}
+
+/// Returns the option for a layout if a glove that measures no arm does not reach the keys of the layout of a run without the option.
+fn layout_option(setup: &LoadedSetup, glove: &Glove) -> &'static str {
+    let mut rows = glove.map.rows().iter();
+    let measures_arm = rows.any(|row| row.dof.finger().is_none());
+    if measures_arm || setup.reach_report(&setup.layout).is_none() {
+        ""
+    } else {
+        " --layout chords-bend"
+    }
 }
 
 /// Prints what to write in the setup file for a glove file and an arm, if its lengths are known.
