@@ -32,7 +32,7 @@ fn in_cell(ui: &mut egui::Ui, name: &str, content: impl FnOnce(&mut egui::Ui)) {
     ui.scope_builder(builder, content);
 }
 
-/// Shows the row of a field: name, value, and the button that removes the field.
+/// Shows the row of a field: name, value, and the button that removes the field unless the part must have it.
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], field: &FieldSpec) {
     let first = parts[0];
     let is_row_key = matches!(first, Part::RowKey { .. });
@@ -46,9 +46,11 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
         let state = (written.as_deref(), is_mixed);
         show_value(cell, panel, parts, (field, label.id), state);
     });
+    // Without a field that it must have, a part cannot be read.
+    let can_remove = written.is_some() && field.name != "name" && field.default != REQUIRED;
     if is_mixed {
         ui.weak(text("editor-mixed"));
-    } else if written.is_some() && field.name != "name" {
+    } else if can_remove {
         show_remove(ui, panel, parts, field.name);
     }
 }

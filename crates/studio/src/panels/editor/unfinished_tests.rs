@@ -148,6 +148,21 @@ fn a_field_that_a_part_must_have_is_not_emptied() {
 }
 
 #[test]
+fn a_field_that_a_part_must_have_has_no_button_that_removes_it() {
+    // The anchor and the radius have none; bearing, distance, height and shape have one.
+    let arc = TWO_KEYS.replace("-45),", "-45),\n            shape: Arc(radius_mm: 320),");
+    for (layout, removable) in [(TWO_KEYS, 3), (&arc, 4)] {
+        let mut window = Window::on_text(layout, TALL);
+        window.panel().show_part(Part::Board(0));
+        window.harness.run_steps(3);
+        let removes = window
+            .harness
+            .query_all_by_label(text("editor-remove-field"));
+        assert_eq!(removes.count(), removable, "{layout}");
+    }
+}
+
+#[test]
 fn a_number_that_is_not_written_is_shown_as_the_board_has_it() {
     let mut window = Window::on_text(TWO_KEYS, TALL);
     window.click_board(0.0, 0.0);
