@@ -6,6 +6,7 @@ use eframe::egui::{self, DragValue, Event};
 
 use super::EditorPanel;
 use super::form::DraggedField;
+use super::mixed::is_mixed;
 use crate::canvas::plan::at_start;
 use crate::editor::{ANCHOR, Edit, FieldSpec, FieldType, Part, quoted};
 use crate::panels::{is_other_number, typed_number};
@@ -17,9 +18,6 @@ const DECIMALS: usize = 3;
 
 /// The default of a field that a part must have.
 const REQUIRED: &str = "required";
-
-/// The largest number of parts whose values are compared for each frame.
-const MAX_COMPARED: usize = 200;
 
 /// Width of a text, in points.
 const TEXT_WIDTH: f32 = 150.0;
@@ -359,19 +357,6 @@ impl EditorPanel {
         let dragged = self.form.dragged.as_ref();
         dragged.is_some_and(|dragged| dragged.name == field)
     }
-}
-
-/// Returns whether parts have different values in a field.
-fn is_mixed(panel: &EditorPanel, parts: &[Part], field: &str) -> bool {
-    let value = |part: &Part| match part {
-        // The text of a key in a row is the row.
-        Part::RowKey { .. } => None,
-        _ => panel.editor.value(*part, field),
-    };
-    let compared = &parts[..parts.len().min(MAX_COMPARED)];
-    compared
-        .windows(2)
-        .any(|pair| value(&pair[0]) != value(&pair[1]))
 }
 
 /// Makes the edit of a number; all values of one drag are one step of undo.

@@ -13,6 +13,7 @@ mod heat;
 mod icons;
 mod key_press;
 mod lists;
+mod mixed;
 mod new_parts;
 mod open;
 mod outside;
