@@ -44,6 +44,25 @@ fn bones_and_reach_are_as_reviewed() {
 }
 
 #[test]
+fn a_pinch_zooms_as_much_as_the_fingers_spread() {
+    let mut window = open("qwerty-flat", egui::Theme::Dark, 20);
+    let distance = |of: &mut StudioWindow| {
+        let camera = of.harness.state_mut().settings().camera.clone();
+        camera.expect("a camera").distance
+    };
+    let before = distance(&mut window);
+    let middle = window.panel(text("panel-space")).center();
+    window.harness.hover_at(middle);
+    window.draw(2);
+    for (spread, expected) in [(1.25, before / 1.25), (0.8, before)] {
+        window.harness.event(egui::Event::Zoom(spread));
+        window.draw(2);
+        let after = distance(&mut window);
+        assert!((after / expected - 1.0).abs() < 1e-3, "{spread}: {after}");
+    }
+}
+
+#[test]
 fn blades_come_out_of_a_fist() {
     // The script holds a fist.
     let mut window = open("claws", egui::Theme::Dark, 230);

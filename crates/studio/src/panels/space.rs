@@ -82,8 +82,8 @@ pub(super) fn show(
         state.camera.pan(drag, extent.y);
     }
     if response.hovered() {
-        let scroll = ui.input(|input| input.smooth_scroll_delta().y);
-        state.camera.zoom((-scroll * 0.002).exp());
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        state.camera.zoom((-scroll * 0.002).exp() / pinch);
     }
     if has_focus || response.has_focus() {
         look::keep_arrow_keys(ui);
