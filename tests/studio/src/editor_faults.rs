@@ -9,7 +9,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::editor::{EditedFile, canvas, drag, press};
 use crate::picture;
-use crate::window::{PICTURES, StudioWindow};
+use crate::window::{Opening, PICTURES, StudioWindow};
 
 const TWO_KEYS: &str = "Layout(
     name: \"Two keys\",
@@ -220,6 +220,19 @@ fn another_layout_is_opened_in_the_window_with_its_handles() {
         model.view.layout.text.contains("volume knob")
     });
     assert_eq!(file.text(), TWO_KEYS, "the first file is as it was");
+}
+
+#[test]
+fn a_layout_whose_file_is_missing_is_opened_once_it_is_there() {
+    let file = EditedFile::new("missing.ron", TWO_KEYS);
+    let name = file.0.to_str().expect("a readable path");
+    let mut window = Opening::on_layout(name).open();
+    fs::remove_file(&file.0).expect("the file");
+    window.click(text("workspace-layout"));
+    assert!(window.has(text("editor-cannot-open")));
+    fs::write(&file.0, TWO_KEYS).expect("a write");
+    window.draw_until("the layout", |shown| shown.has(text("editor-save")));
+    assert!(!window.has(text("editor-cannot-open")));
 }
 
 /// Runs the command of the palette that these words find.

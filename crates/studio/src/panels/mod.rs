@@ -57,6 +57,9 @@ pub use self::first_start::show as show_first_start;
 pub use self::lab::WatchChange;
 pub use self::space::{color32, paint};
 
+/// Time between two looks at a layout that the editor could not open, in seconds.
+const REOPEN_PERIOD_S: f64 = 0.5;
+
 /// Makes a file of another format of an SVG document, or returns the reason why it cannot.
 pub type ConvertSvg = fn(&str) -> Result<Vec<u8>, String>;
 
@@ -136,6 +139,8 @@ pub struct PanelState {
     workspace: Workspace,
     /// The layout editor, once its tab was opened, or the reason why it has no layout.
     editor: Option<Result<EditorPanel, String>>,
+    /// Time of the next look at a layout that the editor could not open, in seconds.
+    next_open: f64,
     close_question: CloseQuestion,
     /// Folder with unsaved work of the editor. `None`: it is not kept.
     unsaved_work: Option<PathBuf>,
@@ -361,12 +366,17 @@ fn show_title(ui: &egui::Ui, state: &mut PanelState) {
     }
 }
 
-/// Opens the layout of the session in the editor at the first time, and prepares the editor while it is shown.
+/// Opens the layout of the session in the editor at the first time, again and again until its file can be read, and prepares the
+/// editor while it is shown.
 fn open_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     let used = &context.session.view.layout;
-    let work = state.unsaved_work.as_deref();
-    let open = || EditorPanel::open(&used.file, used.fit, work).map_err(|it| it.to_string());
-    if let Ok(editor) = state.editor.get_or_insert_with(open)
+    let now = ui.input(|input| input.time);
+    if !state.has_layout() && now >= state.next_open {
+        state.next_open = now + REOPEN_PERIOD_S;
+        let opened = EditorPanel::open(&used.file, used.fit, state.unsaved_work.as_deref());
+        state.editor = Some(opened.map_err(|it| it.to_string()));
+    }
+    if let Some(Ok(editor)) = &mut state.editor
         && state.workspace == Workspace::Layout
     {
         editor::prepare(ui, editor, context);
