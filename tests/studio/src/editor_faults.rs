@@ -1,6 +1,8 @@
 //! The layout editor on layouts with faults, and what hands expect of it: nothing locks, nothing jumps, no tap is lost.
 
 use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use ademan::layout::Layout;
 use ademan::studio::texts::text;
@@ -233,6 +235,57 @@ fn a_layout_whose_file_is_missing_is_opened_once_it_is_there() {
     fs::write(&file.0, TWO_KEYS).expect("a write");
     window.draw_until("the layout", |shown| shown.has(text("editor-save")));
     assert!(!window.has(text("editor-cannot-open")));
+}
+
+/// A file that is dropped on the window.
+#[derive(Debug)]
+struct DroppedPath(PathBuf);
+
+impl egui::DroppedFile for DroppedPath {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+fn drop_file(window: &mut StudioWindow, path: &Path) {
+    let file = Arc::new(DroppedPath(path.to_owned()));
+    window.harness.input_mut().dropped_files.push(file);
+    window.draw(1);
+    window.harness.input_mut().dropped_files.clear();
+    window.draw(3);
+}
+
+#[test]
+fn a_file_that_is_dropped_is_opened_whatever_tab_is_shown() {
+    let dropped = EditedFile::new("dropped.ron", TWO_KEYS);
+    let name = dropped.0.to_str().expect("a readable path");
+    // The first tab shows the hand.
+    for tab in [None, Some("workspace-lab"), Some("workspace-calibration")] {
+        let mut window = Opening::default().open();
+        if let Some(tab_name) = tab {
+            window.click(text(tab_name));
+        }
+        drop_file(&mut window, &dropped.0);
+        assert!(window.has(name), "{tab:?}");
+        assert!(window.has(text("editor-save")), "{tab:?}");
+    }
+}
+
+#[test]
+fn a_file_that_is_dropped_is_opened_in_place_of_one_that_is_missing() {
+    let file = EditedFile::new("missing.ron", TWO_KEYS);
+    let dropped = EditedFile::new("dropped.ron", TWO_KEYS);
+    let name = file.0.to_str().expect("a readable path");
+    let mut window = Opening::on_layout(name).open();
+    fs::remove_file(&file.0).expect("the file");
+    window.click(text("workspace-layout"));
+    assert!(window.has(text("editor-cannot-open")));
+    drop_file(&mut window, &dropped.0);
+    assert!(window.has(dropped.0.to_str().expect("a readable path")));
 }
 
 /// Runs the command of the palette that these words find.

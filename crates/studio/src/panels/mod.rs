@@ -334,8 +334,12 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
     if state.workspace == Workspace::Hand || context.sensors.guide.is_none() {
         actions::handle_keys(ui, state, context);
     }
+    let dropped = editor::dropped_file(ui);
+    if dropped.is_some() {
+        state.workspace = Workspace::Layout;
+    }
     if state.shows_layout() {
-        open_layout(ui, state, context);
+        open_layout(ui, state, context, dropped);
     }
     table::show(ui, state, context);
     help::show_keys(ui, state);
@@ -366,14 +370,24 @@ fn show_title(ui: &egui::Ui, state: &mut PanelState) {
     }
 }
 
-/// Opens the layout of the session in the editor at the first time, again and again until its file can be read, and prepares the
-/// editor while it is shown.
-fn open_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+/// Opens a layout in the editor at the first time, again and again until its file can be read, and prepares the editor while it is
+/// shown. The layout is the layout of the session, or a file that is dropped while there is none.
+fn open_layout(
+    ui: &mut egui::Ui,
+    state: &mut PanelState,
+    context: &mut PanelContext,
+    dropped: Option<String>,
+) {
     let used = &context.session.view.layout;
     let now = ui.input(|input| input.time);
-    if !state.has_layout() && now >= state.next_open {
+    if !state.has_layout() && (now >= state.next_open || dropped.is_some()) {
         state.next_open = now + REOPEN_PERIOD_S;
-        let opened = EditorPanel::open(&used.file, used.fit, state.unsaved_work.as_deref());
+        let work = state.unsaved_work.as_deref();
+        let open = |file: &str| EditorPanel::open(file, used.fit, work);
+        let opened = open(&used.file).or_else(|error| match &dropped {
+            Some(file) => open(file),
+            None => Err(error),
+        });
         state.editor = Some(opened.map_err(|it| it.to_string()));
     }
     if let Some(Ok(editor)) = &mut state.editor

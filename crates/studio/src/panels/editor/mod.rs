@@ -60,6 +60,7 @@ use self::drag_check::DragCheck;
 use self::form::FormState;
 pub(super) use self::heat::{BoardHeat, show as show_heat};
 use self::open::OpenQuestion;
+pub(super) use self::open::dropped_file;
 use self::outside::{SaveAs, SaveQuestion};
 pub(super) use self::outside::{guard_close, keep_unfinished};
 use self::palette::Palette;

@@ -150,16 +150,21 @@ fn write_new(path: &Path, content: &[u8]) -> Result<(), String> {
     })
 }
 
-/// Opens a file that is dropped on the window. With unsaved work it asks.
-fn open_dropped(ui: &egui::Ui, panel: &mut EditorPanel) {
-    let dropped = ui.input(|input| {
+/// Returns the path of a file that is dropped on the window, unless a question waits for an answer.
+pub(in super::super) fn dropped_file(ui: &egui::Ui) -> Option<String> {
+    let path = ui.input(|input| {
         let file = input.raw.dropped_files.last();
         file.map(|file| file.path().to_owned())
     });
-    let Some(path) = dropped.filter(|_| !is_asked(ui)) else {
+    let path = path.filter(|_| !is_asked(ui))?;
+    Some(path.to_string_lossy().into_owned())
+}
+
+/// Opens a file that is dropped on the window. With unsaved work it asks.
+fn open_dropped(ui: &egui::Ui, panel: &mut EditorPanel) {
+    let Some(query) = dropped_file(ui) else {
         return;
     };
-    let query = path.to_string_lossy().into_owned();
     if panel.is_unsaved() {
         panel.open_question = Some(OpenQuestion { query });
     } else {
