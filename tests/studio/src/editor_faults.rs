@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use ademan::layout::Layout;
-use ademan::studio::texts::text;
+use ademan::studio::texts::{text, text_with};
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 
@@ -235,6 +235,29 @@ fn a_layout_whose_file_is_missing_is_opened_once_it_is_there() {
     fs::write(&file.0, TWO_KEYS).expect("a write");
     window.draw_until("the layout", |shown| shown.has(text("editor-save")));
     assert!(!window.has(text("editor-cannot-open")));
+}
+
+#[test]
+fn a_file_that_was_opened_before_is_opened_again_or_leaves_the_list() {
+    let file = EditedFile::new("first.ron", TWO_KEYS);
+    let before = EditedFile::new("before.ron", TWO_KEYS);
+    let mut window = file.open();
+    let settings = window.harness.state_mut().settings();
+    settings.recent_layouts.push(&before.0);
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::O);
+    window.click("before.ron");
+    assert!(!window.has(text("editor-open-title")));
+    let path = before.0.to_str().expect("a readable path");
+    assert!(window.has(path));
+    fs::remove_file(&file.0).expect("the file");
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::O);
+    window.click("first.ron");
+    assert!(window.has(path), "it stays");
+    let gone = file.0.to_str().expect("a readable path");
+    let notice = text_with("layouts-missing", &[("file", gone.into())]);
+    assert!(window.has_words(&notice));
+    let recent = &window.harness.state_mut().settings().recent_layouts;
+    assert_eq!(recent.iter().collect::<Vec<_>>(), [path]);
 }
 
 /// A file that is dropped on the window.

@@ -393,7 +393,7 @@ fn open_layout(
     if let Some(Ok(editor)) = &mut state.editor
         && state.workspace == Workspace::Layout
     {
-        editor::prepare(ui, editor, context);
+        editor::prepare(ui, editor, &mut state.settings.recent_layouts, context);
     }
 }
 

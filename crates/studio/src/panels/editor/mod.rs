@@ -25,6 +25,7 @@ mod rulers;
 mod several;
 mod shortcuts;
 mod steps;
+mod trial;
 #[cfg(test)]
 mod arrange_tests;
 #[cfg(test)]
@@ -36,7 +37,6 @@ mod unfinished_tests;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use eframe::egui;
 use parry3d::math::Vec2;
@@ -48,8 +48,8 @@ use crate::canvas::gesture::{Gesture, Preview};
 use crate::canvas::selection::Selection;
 use crate::canvas::viewport::{AreaViewport, Viewport};
 use crate::editor::{ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, ReachCheck};
+use crate::recent::RecentFiles;
 use crate::texts::text;
-use crate::typing::Typing;
 use ademan_core::document::DocumentError;
 use ademan_core::layout::{Fit, Layout};
 
@@ -67,6 +67,7 @@ use self::palette::Palette;
 use self::plan::PlanPanel;
 use self::repeat::Repeat;
 use self::shortcuts::Nudge;
+pub(super) use self::trial::advance_trial;
 
 /// The editor between two frames.
 pub struct EditorPanel {
@@ -393,26 +394,6 @@ impl EditorPanel {
     }
 }
 
-/// Gives the text to the running session while it is edited, unless that types into other programs: then only on request.
-pub(super) fn advance_trial(ui: &egui::Ui, panel: &mut EditorPanel, context: &PanelContext) {
-    let Some(session) = context.trial else {
-        return;
-    };
-    let editor = &panel.editor;
-    let left = panel.left_trial.take();
-    let trial = panel.trial.get_or_insert_with(|| {
-        let is_on = Typing::new(context.session) == Typing::Nowhere;
-        match left {
-            Some(left) => left.go_on(editor, is_on),
-            None => EditorTrial::new(&context.session.view.layout, editor, is_on),
-        }
-    });
-    let now = Duration::from_secs_f64(ui.input(|input| input.time));
-    if let Some(refusal) = trial.advance(now, editor, session) {
-        panel.message = Some(Err(refusal));
-    }
-}
-
 /// Returns the row of a key, or the radio group of an option.
 const fn group(part: Part) -> Option<Part> {
     match part {
@@ -432,20 +413,25 @@ fn rounded(value: f32) -> f64 {
 }
 
 /// Brings the editor to the present, and does what keys ask for.
-pub(super) fn prepare(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut PanelContext) {
+pub(super) fn prepare(
+    ui: &mut egui::Ui,
+    panel: &mut EditorPanel,
+    recent: &mut RecentFiles,
+    context: &mut PanelContext,
+) {
     panel.pictures = context.pictures;
     let reach = &mut panel.reach;
     let reach = reach.get_or_insert_with(|| ReachCheck::new(context.sensors.setup()));
     reach.advance(&panel.editor);
-    handle_keys(ui, panel);
+    handle_keys(ui, panel, recent);
 }
 
 /// Does what keys and commands ask for.
-fn handle_keys(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+fn handle_keys(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut RecentFiles) {
     panel.update_items();
     shortcuts::handle(ui, panel);
     palette::show(ui, panel);
-    open::show(ui, panel);
+    open::show(ui, panel, recent);
     panel.update_items();
 }
 

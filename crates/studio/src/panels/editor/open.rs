@@ -9,10 +9,11 @@ use super::super::{ConvertSvg, PictureFormats};
 use super::EditorPanel;
 use super::shortcuts::is_asked;
 use crate::editor::LayoutEditor;
-use crate::texts::text;
+use crate::recent::RecentFiles;
+use crate::texts::{text, text_with};
 use ademan_core::document::{Document, shipped_layouts};
 use ademan_core::layout::Wearer;
-use ademan_core::message::escape_path;
+use ademan_core::message::{escape, escape_path};
 use ademan_runtime::files::{self, FileError};
 use ademan_runtime::layout_link::{LOCAL_PAGE, share_layout};
 
@@ -52,6 +53,18 @@ impl EditorPanel {
             Ok(editor) => self.replace_editor(editor),
             Err(error) => self.message = Some(Err(error.to_string())),
         }
+    }
+
+    /// Opens a file that was opened before. One that is no longer there is removed from the list, with a message.
+    fn open_recent(&mut self, file: &str, recent: &mut RecentFiles) {
+        if Path::new(file).is_file() {
+            self.open_other(file);
+            return;
+        }
+        recent.remove(file);
+        let name = escape(file).into_owned();
+        let message = text_with("layouts-missing", &[("file", name.into())]);
+        self.message = Some(Err(message));
     }
 
     /// Opens a new layout without controls in the same way.
@@ -172,8 +185,27 @@ fn open_dropped(ui: &egui::Ui, panel: &mut EditorPanel) {
     }
 }
 
-/// Asks which layout is opened: a file, or one that comes with the program.
-pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+/// Shows the files that were opened before and have a part of their path in common with a query. Returns the one that is clicked.
+fn show_recent(ui: &mut egui::Ui, recent: &RecentFiles, query: &str) -> Option<String> {
+    let mut chosen = None;
+    let found = recent.iter();
+    let found = found.filter(|file| file.to_lowercase().contains(query));
+    for (index, file) in found.enumerate() {
+        if index == 0 {
+            ui.strong(text("layouts-recent"));
+        }
+        let name = Path::new(file).file_name().unwrap_or_default();
+        let name = name.to_string_lossy();
+        let entry = ui.selectable_label(false, escape(&name).into_owned());
+        if entry.on_hover_text(escape(file).into_owned()).clicked() {
+            chosen = Some(file.to_owned());
+        }
+    }
+    chosen
+}
+
+/// Asks which layout is opened: a file, one that was opened before, or one that comes with the program.
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut RecentFiles) {
     open_dropped(ui, panel);
     let Some(mut question) = panel.open_question.take() else {
         return;
@@ -183,7 +215,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         (true, false) => Some(text("editor-open-unsaved")),
         (true, true) => Some(text("editor-open-unkept")),
     };
-    let (mut chosen, mut is_empty) = (None, false);
+    let (mut chosen, mut chosen_recent, mut is_empty) = (None, None, false);
     let mut is_closed = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
     let modal = egui::Modal::new(egui::Id::unique("open-question"));
     modal.show(ui.ctx(), |ui| {
@@ -205,6 +237,8 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
                 && ui
                     .selectable_label(false, text("editor-open-empty"))
                     .clicked();
+            chosen_recent = show_recent(ui, recent, &query);
+            ui.strong(text("layouts-shipped"));
             for name in shipped_layouts().filter(|name| name.contains(&query)) {
                 if ui.selectable_label(false, name).clicked() {
                     chosen = Some(name.to_owned());
@@ -213,6 +247,10 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         });
         is_closed |= ui.button(text("editor-cancel")).clicked();
     });
+    if let Some(file) = chosen_recent {
+        panel.open_recent(&file, recent);
+        return;
+    }
     match chosen.filter(|name| !name.is_empty()) {
         Some(name) => panel.open_other(&name),
         None if is_empty => panel.open_empty(),

@@ -41,7 +41,7 @@ fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     capture_key(ui, panel, true);
     guard_close(ui, panel);
     keep_unfinished(ui, panel);
-    handle_keys(ui, panel);
+    handle_keys(ui, panel, &mut RecentFiles::default());
     egui::Panel::top("bar").show(ui, |inner| {
         bar::show(inner, panel);
         outside::show(inner, panel);
