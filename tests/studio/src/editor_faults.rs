@@ -320,6 +320,20 @@ fn run_command(window: &mut StudioWindow, words: &str) {
 }
 
 #[test]
+fn the_palette_has_the_commands_of_the_session() {
+    let file = EditedFile::new("paused.ron", TWO_KEYS);
+    let mut window = file.open();
+    for (words, is_paused) in [("button-pause", true), ("button-resume", false)] {
+        run_command(&mut window, text(words));
+        window.wait_for(words, |model| {
+            model.view.state.paused_by.is_some() == is_paused
+        });
+        window.draw(1);
+    }
+    assert_eq!(file.text(), TWO_KEYS);
+}
+
+#[test]
 fn pictures_are_written_beside_the_layout_and_never_replaced() {
     let file = EditedFile::new("pictures.ron", TWO_KEYS);
     let mut window = file.open();

@@ -212,6 +212,27 @@ impl ActionSpec {
     }
 }
 
+/// An action that is offered, with its words and keys.
+pub(super) type Offer = (Action, &'static str, String);
+
+/// Returns the actions that can be performed now and act in every tab.
+pub(super) fn offered(ui: &Context, context: &PanelContext) -> Vec<Offer> {
+    const OFFERED: [Action; 5] = [
+        Action::Pause,
+        Action::Recenter,
+        Action::Zero,
+        Action::Devices,
+        Action::Keys,
+    ];
+    let enabled = OFFERED.into_iter();
+    let enabled = enabled.filter(|action| action.is_enabled(context));
+    let offers = enabled.map(|action| {
+        let name = action.name(context.session);
+        (action, name, action.spec().keys(ui))
+    });
+    offers.collect()
+}
+
 /// Moves the focus to another panel.
 fn move_focus(ui: &Context, state: &mut PanelState, step: isize) {
     let count = state.panel_ids.len() as isize;

@@ -394,6 +394,9 @@ fn open_layout(
         && state.workspace == Workspace::Layout
     {
         editor::prepare(ui, editor, &mut state.settings.recent_layouts, context);
+        if let Some(action) = editor.take_action() {
+            action.perform(ui.ctx(), state, context);
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart, Part};
 use crate::texts::{Language, language, text, text_with};
 
 /// Distances between positions on the grid, in millimetres.
-const GRIDS_MM: [f32; 5] = [0.5, 1.0, 2.0, 5.0, 9.5];
+pub(super) const GRIDS_MM: [f32; 5] = [0.5, 1.0, 2.0, 5.0, 9.5];
 
 /// Alignment of several parts: words, and edge.
 pub(super) const ALIGNMENTS: [(&str, AlignEdge); 6] = [

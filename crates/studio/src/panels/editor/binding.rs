@@ -108,6 +108,22 @@ pub(in super::super) fn capture(ui: &mut egui::Ui, panel: &mut EditorPanel, is_s
     }
 }
 
+impl EditorPanel {
+    /// Returns the selected part if the next key that is pressed can be bound to it.
+    pub(super) fn bindable(&self) -> Option<Part> {
+        match *self.editor.selection() {
+            [Part::Sequence(_)] => None,
+            [part] => (!slots(self, part).is_empty()).then_some(part),
+            _ => None,
+        }
+    }
+
+    /// Binds the selected part to the next key that is pressed.
+    pub(super) fn begin_capture(&mut self) {
+        self.binding.captured = self.bindable();
+    }
+}
+
 fn bind(panel: &mut EditorPanel, part: Part, slot: &Slot, binding: Option<Binding>) {
     panel.apply(&Edit::Bind {
         part,

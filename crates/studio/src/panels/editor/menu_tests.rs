@@ -172,6 +172,24 @@ fn the_palette_has_the_commands_that_can_be_used() {
 }
 
 #[test]
+fn the_palette_moves_what_is_selected_chooses_the_grid_and_binds_the_next_key() {
+    let mut window = Window::open();
+    let nudge = format!("{}: 0.1 mm", text("editor-nudge-left"));
+    assert!(!window.offers(&nudge), "nothing is selected");
+    window.click_board(0.0, 0.0);
+    window.run(&nudge);
+    let moved = TWO_KEYS.replace("(0, 0)", "(-0.1, 0)");
+    assert_eq!(window.text(), moved);
+    window.run(&format!("{}: 2 mm", text("editor-grid")));
+    window.run(&format!("{}: 2 mm", text("editor-nudge-up")));
+    let moved = moved.replace("(-0.1, 0)", "(-0.1, 2)");
+    assert_eq!(window.text(), moved);
+    window.run(text("editor-press-key"));
+    window.press(Modifiers::NONE, Key::C);
+    assert_eq!(window.text(), moved.replace("\"A\"", "\"C\""));
+}
+
+#[test]
 fn the_palette_pastes_what_comes_with_the_next_picture() {
     let mut window = Window::open();
     window.press(Modifiers::COMMAND, Key::A);

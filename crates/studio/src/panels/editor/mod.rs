@@ -41,7 +41,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui;
 use parry3d::math::Vec2;
 
-use super::{PanelContext, PanelState, PictureFormats};
+use super::{PanelContext, PanelState, PictureFormats, actions};
 use crate::canvas::Bounds;
 use crate::canvas::board::BoardItems;
 use crate::canvas::gesture::{Gesture, Preview};
@@ -423,6 +423,9 @@ pub(super) fn prepare(
     let reach = &mut panel.reach;
     let reach = reach.get_or_insert_with(|| ReachCheck::new(context.sensors.setup()));
     reach.advance(&panel.editor);
+    if panel.palette.is_open() {
+        panel.palette.offered = actions::offered(ui.ctx(), context);
+    }
     handle_keys(ui, panel, recent);
 }
 

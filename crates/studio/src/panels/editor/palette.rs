@@ -2,6 +2,8 @@
 
 use eframe::egui::{self, Align2, Key};
 
+use super::super::actions::{Action, Offer};
+use super::shortcuts::{ARROWS, FINE_STEP_MM};
 use super::{EditorPanel, bar, plan};
 use crate::editor::{ControlKind, Edit, Part};
 use crate::texts::text;
@@ -19,6 +21,10 @@ pub(super) struct Palette {
     query: String,
     /// Index of the chosen command among those that are found.
     chosen: usize,
+    /// The actions of the window that can be performed, besides the commands of the editor.
+    pub offered: Vec<Offer>,
+    /// The action that was chosen, until the window performs it.
+    action: Option<Action>,
 }
 
 /// The action of a command.
@@ -28,7 +34,7 @@ type Run = Box<dyn Fn(&mut EditorPanel, &egui::Context)>;
 struct Command {
     name: String,
     /// Keys that do the same; may be empty.
-    shortcut: &'static str,
+    shortcut: String,
     run: Run,
 }
 
@@ -53,7 +59,7 @@ fn command(
 ) -> Command {
     Command {
         name: text(name).to_owned(),
-        shortcut,
+        shortcut: shortcut.to_owned(),
         run: Box::new(run),
     }
 }
@@ -86,8 +92,17 @@ fn commands(shown: &EditorPanel) -> Vec<Command> {
         }));
     }
     commands.extend(views(shown));
+    commands.extend(grids());
     if !shown.editor.selection().is_empty() {
         commands.extend(selection_commands());
+    }
+    if !shown.is_nothing_selected() {
+        commands.extend(nudges(shown.grid_mm));
+    }
+    if shown.bindable().is_some() {
+        commands.push(command("editor-press-key", "", |panel, _| {
+            panel.begin_capture();
+        }));
     }
     commands.extend(item_commands(shown));
     for &kind in ControlKind::ALL {
@@ -100,7 +115,52 @@ fn commands(shown: &EditorPanel) -> Vec<Command> {
         add.name = format!("{}: {}", text("editor-add"), add.name);
         commands.push(add);
     }
+    for (action, name, keys) in &shown.palette.offered {
+        let action = *action;
+        commands.push(Command {
+            name: (*name).to_owned(),
+            shortcut: keys.clone(),
+            run: Box::new(move |panel, _| panel.palette.action = Some(action)),
+        });
+    }
     commands
+}
+
+/// Returns the commands that choose the distance of the grid.
+fn grids() -> impl Iterator<Item = Command> {
+    bar::GRIDS_MM.into_iter().map(|grid_mm| {
+        let mut choose = command("editor-grid", "", move |panel, _| panel.grid_mm = grid_mm);
+        choose.name = format!("{}: {grid_mm} mm", choose.name);
+        choose
+    })
+}
+
+/// Returns the commands that move what is selected, as the arrow keys do.
+fn nudges(grid_mm: f32) -> Vec<Command> {
+    let mut commands = Vec::new();
+    for (_, sign, direction, words) in ARROWS {
+        let steps = [
+            (grid_mm, sign.to_owned()),
+            (FINE_STEP_MM, format!("Shift-{sign}")),
+        ];
+        for (step_mm, keys) in steps {
+            let mut nudge = command(words, "", move |panel, context| {
+                let now = context.input(|input| input.time);
+                panel.nudge(direction * step_mm, now);
+            });
+            nudge.name = format!("{}: {step_mm} mm", nudge.name);
+            nudge.shortcut = keys;
+            commands.push(nudge);
+        }
+    }
+    commands
+}
+
+impl EditorPanel {
+    /// Returns the action of the window that was chosen in the palette.
+    pub(in super::super) fn take_action(&mut self) -> Option<Action> {
+        self.palette.action.take()
+    }
 }
 
 /// Returns the commands that show a board, or all boards from a side.
@@ -268,7 +328,7 @@ fn show_row(ui: &mut egui::Ui, command: &Command, is_chosen: bool) -> bool {
         if is_chosen {
             row.scroll_to_me(None);
         }
-        ui.weak(command.shortcut);
+        ui.weak(&command.shortcut);
         row.clicked()
     });
     row.inner

@@ -10,7 +10,15 @@ use crate::canvas::plan::PlanView;
 use crate::editor::Part;
 
 /// Distance of an arrow key with Shift, in millimetres. Without Shift, it is the spacing of the grid.
-const FINE_STEP_MM: f32 = 0.1;
+pub(super) const FINE_STEP_MM: f32 = 0.1;
+
+/// The arrow keys: sign, direction, and words.
+pub(super) const ARROWS: [(Key, &str, Vec2, &str); 4] = [
+    (Key::ArrowLeft, "←", Vec2::NEG_X, "editor-nudge-left"),
+    (Key::ArrowRight, "→", Vec2::X, "editor-nudge-right"),
+    (Key::ArrowUp, "↑", Vec2::Y, "editor-nudge-up"),
+    (Key::ArrowDown, "↓", Vec2::NEG_Y, "editor-nudge-down"),
+];
 
 /// Pause after which the next tap of an arrow key is a step of undo of its own, in seconds.
 const NUDGE_PAUSE_S: f64 = 1.0;
@@ -84,30 +92,19 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
     handle_clipboard(ui, panel);
     free_view::turn_by_keys(ui, panel);
-    let is_nothing_selected = if panel.plan.is_open {
-        panel.editor.selection().is_empty()
-    } else {
-        panel.selected.is_empty()
-    };
-    if is_nothing_selected {
+    if panel.is_nothing_selected() {
         return;
     }
     if pressed(Modifiers::NONE, Key::Delete) {
         panel.delete();
     }
-    let arrows = [
-        (Key::ArrowLeft, Vec2::NEG_X),
-        (Key::ArrowRight, Vec2::X),
-        (Key::ArrowUp, Vec2::Y),
-        (Key::ArrowDown, Vec2::NEG_Y),
-    ];
     // Several taps may come with one frame.
     let count = |modifiers, key| {
         let taps = ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
         taps as f32
     };
     let mut way = Vec2::ZERO;
-    for (key, direction) in arrows {
+    for (key, _, direction, _) in ARROWS {
         way += direction * (count(Modifiers::SHIFT, key) * FINE_STEP_MM);
         way += direction * (count(Modifiers::NONE, key) * panel.grid_mm);
     }
@@ -118,8 +115,17 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 }
 
 impl EditorPanel {
+    /// Returns `true` if nothing is selected on the board or the plan.
+    pub(super) fn is_nothing_selected(&self) -> bool {
+        if self.plan.is_open {
+            self.editor.selection().is_empty()
+        } else {
+            self.selected.is_empty()
+        }
+    }
+
     /// Moves what is selected. Taps of one arrow key without a pause are one step of undo.
-    fn nudge(&mut self, way: Vec2, now: f64) {
+    pub(super) fn nudge(&mut self, way: Vec2, now: f64) {
         self.commit_drafts();
         let direction = way.normalize();
         let view = self.plan.is_open.then_some(self.plan.view);
