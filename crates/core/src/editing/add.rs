@@ -144,14 +144,27 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
 
 /// Returns a board with one control, at a distance to the right of the place where boards usually are.
 fn board_with(right_mm: f64, kind: ControlKind, control: &str) -> String {
+    let (pose, list) = (board_pose(right_mm), kind.list());
+    format!("(\n    pose: {pose},\n    {list}: [\n        {control},\n    ],\n)")
+}
+
+fn board_pose(right_mm: f64) -> String {
     let right = if right_mm == 0.0 {
         String::new()
     } else {
         format!(", right_mm: {}", written(right_mm))
     };
-    let pose = format!("(anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45{right})");
-    let list = kind.list();
-    format!("(\n    pose: {pose},\n    {list}: [\n        {control},\n    ],\n)")
+    format!("(anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45{right})")
+}
+
+/// Adds a board without controls to a layout that has no board.
+pub(super) fn add_first_board(draft: &mut Draft) -> Result<(), EditError> {
+    if draft.count(Part::Layout, "boards") > 0 {
+        return Ok(());
+    }
+    let board = format!("(\n    pose: {},\n)", board_pose(0.0));
+    draft.push(Part::Layout, "boards", &[board])?;
+    draft.commit()
 }
 
 /// Returns a name that no part of a list has.

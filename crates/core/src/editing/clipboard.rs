@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::add::add_first_board;
 use super::draft::{Draft, written};
 use super::duplicate::{Names, copy};
 use super::error::EditError;
@@ -141,7 +142,8 @@ fn default_outline(draft: &Draft, board: usize) -> String {
     }
 }
 
-/// Adds the controls of a text to a board, under names that are free. A size is left out where the board has the same. Returns them.
+/// Adds the controls of a text to a board, under names that are free. A layout without boards gets one with them. A size is left out
+/// where the board has the same. Returns the controls.
 pub(super) fn paste(
     draft: &mut Draft,
     board: usize,
@@ -154,6 +156,7 @@ pub(super) fn paste(
         return Err(nothing());
     }
     let mut source = Draft::new(&format!("(boards: [{text}])")).map_err(|_| nothing())?;
+    add_first_board(draft)?;
     let outline = default_outline(draft, board);
     for &kind in ControlKind::ALL {
         for index in 0..source.count(Part::Board(0), kind.list()) {
@@ -235,6 +238,7 @@ fn is_same(a: &str, b: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::Layout;
 
     const fn control(kind: ControlKind) -> Part {
         Part::Control {
@@ -304,6 +308,23 @@ mod tests {
             "(code: \"B\", at_mm: (19, 0))",
         ] {
             assert!(pasted.contains(key), "{pasted}");
+        }
+    }
+
+    #[test]
+    fn controls_are_pasted_into_a_layout_without_boards() {
+        let from = "(boards: [(keys: [(code: \"A\", at_mm: (0, 0))])])";
+        let key = control(ControlKind::Key);
+        let clipboard = copied(from, &[key]).unwrap();
+        for to in ["Layout(name: \"a\", boards: [])", "Layout(name: \"a\")"] {
+            let mut draft = Draft::new(to).unwrap();
+            let pasted = paste(&mut draft, 0, &clipboard, [0.0, 0.0]).unwrap();
+            assert_eq!(pasted, [key]);
+            let layout = Layout::parse(draft.text(), "a.ron");
+            let layout = layout.unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(layout.boards.len(), 1, "{}", draft.text());
+            let nothing = paste(&mut Draft::new(to).unwrap(), 0, "(keys: [])", [0.0, 0.0]);
+            assert!(nothing.is_err());
         }
     }
 
