@@ -287,6 +287,17 @@ fn a_cut_takes_controls_and_leaves_what_cannot_be_pasted() {
 }
 
 #[test]
+fn a_board_of_a_text_that_cannot_be_read_is_duplicated() {
+    let faulty = TWO_KEYS.replace("pose: (", "travel_mm: 4000, pose: (");
+    let mut window = Window::on_text(&faulty, 700.0);
+    assert!(window.panel().editor.layout().is_none());
+    window.panel().show_part(Part::Board(0));
+    window.panel().duplicate();
+    assert_eq!(window.panel().message, None);
+    assert_eq!(window.panel().editor.count("boards"), 2);
+}
+
+#[test]
 fn a_layout_that_another_studio_edits_is_opened_with_a_message() {
     let window = Window::open();
     let work = window.path.with_file_name("other-work");

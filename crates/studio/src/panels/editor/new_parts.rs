@@ -61,15 +61,13 @@ impl EditorPanel {
     /// Copies boards and targets in space, and shows the first copied board.
     fn duplicate_in_space(&mut self, parts: &[Part]) {
         let index = self.editor.count("boards");
-        let Some(layout) = self.editor.layout() else {
-            return;
-        };
-        let plan = Plan::new(&self.editor, layout, &[]);
-        let bounds = plan.bounds(PlanView::Above, |part| parts.contains(&part));
-        let Some(bounds) = bounds else {
-            return;
-        };
-        let distance = (bounds.size() + COPY_GAP_MM).ceil();
+        let bounds = self.editor.layout().and_then(|layout| {
+            let plan = Plan::new(&self.editor, layout, &[]);
+            plan.bounds(PlanView::Above, |part| parts.contains(&part))
+        });
+        // The size is not known while the text cannot be read.
+        let unknown = Vec2::splat(BOARD_PLACE_MM as f32);
+        let distance = bounds.map_or(unknown, |own| (own.size() + COPY_GAP_MM).ceil());
         let [right, forward] = distance.to_array().map(f64::from);
         let places = (1..BOARD_PLACES).flat_map(|place| {
             let (x, y) = (f64::from(place) * right, f64::from(place) * forward);
