@@ -1,8 +1,9 @@
-//! Controls as text, for the clipboard.
+//! Controls and other parts as text, for the clipboard.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::add::add_first_board;
+use super::clipboard_parts;
 use super::draft::{Draft, written};
 use super::duplicate::{Names, copy};
 use super::error::EditError;
@@ -18,7 +19,8 @@ use crate::layout::quantity::Size;
 const MAPS: [&str; 2] = ["labels", "signals"];
 
 /// Returns controls as the text of a board, `(keys: [..], sliders: [..])`, for `paste`, with their labels and signals behind them. Each
-/// has the size that it has on its board. `None` without a control among the parts.
+/// has the size that it has on its board. Without controls, boards, triggers and targets in space are returned as the text of a layout,
+/// `(boards: [..], triggers: [..], spaces: [..])`. `None` without any of them among the parts.
 pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
     let draft = &Draft::new(text).ok()?;
     let mut lists: BTreeMap<ControlKind, Vec<String>> = BTreeMap::new();
@@ -58,13 +60,13 @@ pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
             _ => {}
         }
     }
-    let lists: Vec<String> = lists
-        .into_iter()
-        .map(|(kind, controls)| {
-            let controls = controls.join(",\n        ");
-            format!("    {}: [\n        {controls},\n    ],\n", kind.list())
-        })
-        .collect();
+    let lists = lists.into_iter();
+    let mut lists: Vec<(&str, Vec<String>)> =
+        lists.map(|(kind, texts)| (kind.list(), texts)).collect();
+    if lists.is_empty() {
+        lists = clipboard_parts::lists(draft, parts).ok()?;
+    }
+    let lists: Vec<String> = lists.into_iter().map(in_lines).collect();
     // The names of 10 000 keys take long.
     let is_mentioned = MAPS.map(|map| draft.field(Part::Layout, map).is_some());
     let names = if is_mentioned.contains(&true) {
@@ -74,6 +76,12 @@ pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
     };
     let maps = MAPS.map(|map| entries(draft, map, &names));
     (!lists.is_empty()).then(|| format!("(\n{}{})", lists.concat(), maps.concat()))
+}
+
+/// Returns a list as a field in lines of its own.
+fn in_lines((list, texts): (&str, Vec<String>)) -> String {
+    let texts = texts.join(",\n        ");
+    format!("    {list}: [\n        {texts},\n    ],\n")
 }
 
 /// Returns the entries of a map of the layout with these names, as a field in a line; empty without any.
@@ -142,16 +150,43 @@ fn default_outline(draft: &Draft, board: usize) -> String {
     }
 }
 
-/// Adds the controls of a text to a board, under names that are free. A layout without boards gets one with them. A size is left out
-/// where the board has the same. Returns the controls.
+/// Adds the parts of a text, under names that are free: controls to a board, others to the layout. Returns them.
 pub(super) fn paste(
     draft: &mut Draft,
     board: usize,
     text: &str,
     by_mm: [f64; 2],
 ) -> Result<Vec<Part>, EditError> {
-    let message = "the clipboard has no controls of a layout; copy some first";
-    let nothing = || EditError::Selection(message);
+    let mut names = Names::new(draft);
+    let (source, root, new_parts) = match clipboard_parts::source(text) {
+        Some(source) => {
+            let new_parts = clipboard_parts::paste(draft, &source, &mut names, by_mm)?;
+            (source, Part::Layout, new_parts)
+        }
+        None => {
+            let source = source_of_controls(draft, board, text)?;
+            let new_parts = paste_controls(draft, &source, &mut names, (board, by_mm))?;
+            (source, Part::Board(0), new_parts)
+        }
+    };
+    if new_parts.is_empty() {
+        return Err(nothing());
+    }
+    for map in MAPS {
+        let entries = source.field(root, map);
+        paste_entries(draft, (&source, entries), &names, map)?;
+    }
+    draft.commit().map(|()| new_parts)
+}
+
+/// Returns the error of a clipboard that has nothing to paste.
+fn nothing() -> EditError {
+    EditError::Selection("the clipboard has no parts of a layout; copy some first")
+}
+
+/// Returns the controls of a text on a board of their own. A size is left out where the board that gets them has the same. A layout
+/// without boards gets one.
+fn source_of_controls(draft: &mut Draft, board: usize, text: &str) -> Result<Draft, EditError> {
     if !text.trim_start().starts_with('(') {
         return Err(nothing());
     }
@@ -169,7 +204,16 @@ pub(super) fn paste(
         }
     }
     source.commit()?;
-    let mut names = Names::new(draft);
+    Ok(source)
+}
+
+/// Adds controls to a board at an offset. Returns them.
+fn paste_controls(
+    draft: &mut Draft,
+    source: &Draft,
+    names: &mut Names,
+    (board, by_mm): (usize, [f64; 2]),
+) -> Result<Vec<Part>, EditError> {
     let mut new_parts = Vec::new();
     for &kind in ControlKind::ALL {
         let first = draft.count(Part::Board(board), kind.list());
@@ -180,29 +224,22 @@ pub(super) fn paste(
                 kind,
                 index,
             };
-            texts.push(copy(&source, &mut names, own, by_mm)?);
+            texts.push(copy(source, names, own, by_mm)?);
             let index = first + index;
             new_parts.push(Part::Control { board, kind, index });
         }
         draft.push(Part::Board(board), kind.list(), &texts)?;
     }
-    if new_parts.is_empty() {
-        return Err(nothing());
-    }
-    for map in MAPS {
-        paste_entries(draft, &source, &names, map)?;
-    }
-    draft.commit().map(|()| new_parts)
+    Ok(new_parts)
 }
 
-/// Adds the entries of a map behind controls that are pasted, under the names of these, unless the layout has such entries.
+/// Adds the entries of a map behind parts that are pasted, under the names of these, unless the layout has such entries.
 fn paste_entries(
     draft: &mut Draft,
-    source: &Draft,
+    (source, from): (&Draft, Option<&Node>),
     names: &Names,
     map: &str,
 ) -> Result<(), EditError> {
-    let from = source.field(Part::Board(0), map);
     let present = draft.field(Part::Layout, map).cloned();
     let mut added = Vec::new();
     for item in from.map_or(&[][..], Node::items) {

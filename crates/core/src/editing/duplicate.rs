@@ -184,7 +184,7 @@ const BENT_REMEDY: &str = " while its keys are pressed by bending: a finger pres
 
 /// Returns the text of a board whose controls have new names and whose rows are single keys, at an offset along the axes of the
 /// world.
-fn copied_board(
+pub(super) fn copied_board(
     draft: &Draft,
     names: &mut Names,
     board: usize,

@@ -131,13 +131,14 @@ pub enum Edit {
         /// Radius; a negative one has its center on the far side.
         radius_mm: f64,
     },
-    /// Adds copies of controls from a text that [`copied`](super::copied) has made, with their labels and signals.
+    /// Adds copies of controls, or of boards, triggers and targets in space, from a text that [`copied`](super::copied) has made, with
+    /// their labels and signals.
     Paste {
-        /// The board that gets them.
+        /// The board that gets controls. A layout without boards gets one.
         board: usize,
         /// The text.
         text: String,
-        /// Offset from their places in the text.
+        /// Offset from their places in the text, as for [`Duplicate`](Self::Duplicate).
         by_mm: [f64; 2],
     },
     /// Copies parts under new names, with their labels, signals and entries in layers. The keys of a row, and of the rows of a

@@ -55,6 +55,7 @@ pub use self::trial::EditorTrial;
 pub use ademan_core::editing::{
     AlignEdge, Binding, BoardAxis, ControlKind, Edit, EditError, Edited, FieldSpec, FieldType,
     NewPart, Part, Patch, Place, PlaceTo, Slot, beside, can_turn, edit, fields_of,
+    has_parts_in_space,
 };
 
 use std::collections::BTreeSet;
@@ -301,7 +302,8 @@ impl LayoutEditor {
         editing::name_of(&self.text, self.tree.as_ref()?, part)
     }
 
-    /// Returns the selected controls as text, for the clipboard and [`Edit::Paste`]; `None` if no control is selected.
+    /// Returns the selected parts as text, for the clipboard and [`Edit::Paste`]: controls, or boards, triggers and targets in space.
+    /// `None` without any of them.
     pub fn copied(&self) -> Option<String> {
         editing::copied(&self.text, &self.selection)
     }

@@ -6,6 +6,7 @@ use egui_kittest::kittest::Queryable;
 
 use super::tests::{TWO_KEYS, Window};
 use super::*;
+use crate::editor::NewPart;
 use crate::texts::text_with;
 use ademan_runtime::layout_link::{LOCAL_PAGE, layout_in_link};
 
@@ -279,11 +280,52 @@ fn a_cut_takes_controls_and_leaves_what_cannot_be_pasted() {
     window.event(Event::Cut);
     let left = window.text();
     assert!(!left.contains("\"A\"") && left.contains("\"B\""), "{left}");
-    window.panel().show_part(Part::Board(0));
+    window.panel().add(NewPart::Layer);
+    assert_eq!(window.panel().editor.selection(), [Part::Layer(0)]);
+    let layered = window.text();
     window.event(Event::Cut);
-    assert_eq!(window.text(), left);
+    assert_eq!(window.text(), layered);
     let message = window.panel().message.clone();
     assert_eq!(message, Some(Err(text("editor-not-copied").to_owned())));
+}
+
+#[test]
+fn a_board_is_pasted_beside_the_others_and_in_the_place_from_which_it_was_cut() {
+    let mut window = Window::open();
+    window.panel().show_part(Part::Board(0));
+    let copied = window.panel().editor.copied().expect("a board");
+    window.event(Event::Paste(copied.clone()));
+    let panel = window.panel();
+    assert_eq!(panel.editor.count("boards"), 2);
+    assert_eq!(panel.editor.selection(), [Part::Board(1)]);
+    assert_eq!(panel.board, 1, "it is shown");
+    let layout = panel.editor.layout().expect("a layout");
+    assert!(layout.board_overlaps().is_empty());
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), TWO_KEYS, "one step");
+    window.panel().show_part(Part::Board(0));
+    window.event(Event::Cut);
+    assert_eq!(window.panel().editor.count("boards"), 0);
+    window.event(Event::Paste(copied));
+    let pose = window.panel().editor.value(Part::Board(0), "pose");
+    let expected = "(anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45)";
+    assert_eq!(pose, Some(expected));
+}
+
+#[test]
+fn targets_in_space_are_not_pasted_over_themselves() {
+    let spaces = "    ],
+    spaces: [(pose: (anchor: elbow), targets: [(name: \"Moon\", at_mm: (120, 0, -300), shape: Ball(50))])],
+)
+";
+    let mut window = Window::on_text(&TWO_KEYS.replace("    ],\n)\n", spaces), 700.0);
+    let moon = Part::SpaceTarget { space: 0, index: 0 };
+    window.panel().show_part(moon);
+    let copied = window.panel().editor.copied().expect("a target");
+    window.event(Event::Paste(copied));
+    let panel = window.panel();
+    assert_eq!(panel.editor.count("spaces"), 2);
+    assert_ne!(panel.editor.targets_in(1), panel.editor.targets_in(0));
 }
 
 #[test]

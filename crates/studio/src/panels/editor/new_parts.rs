@@ -7,7 +7,7 @@ use super::{EditorPanel, rounded};
 use crate::canvas::free::free_offset;
 use crate::canvas::plan::{Plan, PlanView};
 use crate::canvas::{Bounds, ItemShape};
-use crate::editor::{ControlKind, Edit, NewPart, Part};
+use crate::editor::{ControlKind, Edit, NewPart, Part, has_parts_in_space};
 use crate::texts::text;
 
 /// Distance between the places at which a new board is tried, in millimetres.
@@ -18,6 +18,12 @@ const COPY_GAP_MM: f32 = 20.0;
 
 /// Places at which boards are tried in each direction until they overlap no others.
 const BOARD_PLACES: u8 = 12;
+
+/// Returns the offsets at which a new board is tried: at both sides of the place where it is.
+fn board_places() -> impl Iterator<Item = [f64; 2]> {
+    let distances = (0..BOARD_PLACES).map(|place| f64::from(place) * BOARD_PLACE_MM);
+    distances.flat_map(|right| [[right, 0.0], [-right, 0.0]])
+}
 
 impl EditorPanel {
     /// Adds a part and shows it.
@@ -48,9 +54,7 @@ impl EditorPanel {
     /// Adds a board where it overlaps no other one, and shows it.
     fn add_board(&mut self) {
         let index = self.editor.count("boards");
-        let places = (0..BOARD_PLACES).map(|place| f64::from(place) * BOARD_PLACE_MM);
-        let places = places.flat_map(|right| [[right, 0.0], [-right, 0.0]]);
-        self.apply_beside_boards(places, |[right_mm, _]| {
+        self.apply_beside_boards(board_places(), |[right_mm, _]| {
             Edit::Add(NewPart::Board { right_mm })
         });
         if self.editor.count("boards") > index {
@@ -77,19 +81,24 @@ impl EditorPanel {
             parts: parts.to_vec(),
             by_mm,
         });
+        self.show_added_board(index);
+    }
+
+    /// Shows a board that was added, unless the plan shows it.
+    fn show_added_board(&mut self, index: usize) {
         if !self.plan.is_open && self.editor.count("boards") > index {
             self.show_part(Part::Board(index));
         }
     }
 
-    /// Makes an edit that adds boards, at the first of these offsets to the right and away from the wearer at which they overlap no
-    /// others.
+    /// Makes an edit that adds boards or targets in space, at the first of these offsets to the right and away from the wearer at which
+    /// they overlap no others.
     fn apply_beside_boards(
         &mut self,
         places: impl Iterator<Item = [f64; 2]>,
         edit: impl Fn([f64; 2]) -> Edit,
     ) {
-        let boards = self.editor.count("boards");
+        let [boards, spaces] = ["boards", "spaces"].map(|list| self.editor.count(list));
         let mut is_added = false;
         for by_mm in places {
             let result = if is_added {
@@ -99,19 +108,37 @@ impl EditorPanel {
             };
             let has_failed = result.is_err();
             self.report(result);
-            if has_failed || !self.overlap_others(boards) {
+            if has_failed || !self.overlap_others(boards) && !self.cover_others(spaces) {
                 return;
             }
             is_added = true;
         }
     }
 
-    /// Returns `true` if a board from an index on overlaps another one.
+    /// Returns `true` if a board from an index on overlaps one before it.
     fn overlap_others(&self, from: usize) -> bool {
         self.editor.layout().is_some_and(|layout| {
             let overlaps = layout.board_overlaps();
-            overlaps.iter().any(|overlap| overlap.boards.1 > from)
+            let mut numbers = overlaps.iter().map(|overlap| overlap.boards);
+            numbers.any(|(one, other)| one <= from && other > from)
         })
+    }
+
+    /// Returns `true` if a space from an index on has a target in the place of a target of one before it.
+    fn cover_others(&self, from: usize) -> bool {
+        let editor = &self.editor;
+        let targets = |space| {
+            let pose = editor.value(Part::Space(space), "pose");
+            (pose, editor.targets_in(space))
+        };
+        let covers = |added: usize| {
+            let (pose, centers) = targets(added);
+            (0..from).any(|other| {
+                let (other_pose, other_centers) = targets(other);
+                pose == other_pose && centers.iter().any(|center| other_centers.contains(center))
+            })
+        };
+        (from..editor.count("spaces")).any(covers)
     }
 
     /// Copies what is selected; the copies are selected then, in free room near it.
@@ -151,7 +178,7 @@ impl EditorPanel {
         }
     }
 
-    /// Puts what is selected on the clipboard. Returns `false` without a control there.
+    /// Puts what is selected on the clipboard. Returns `false` if there is nothing that can be pasted.
     fn put_on_clipboard(&mut self, context: &egui::Context) -> bool {
         let Some(copied) = self.editor.copied() else {
             if !self.editor.selection().is_empty() {
@@ -164,8 +191,13 @@ impl EditorPanel {
         true
     }
 
-    /// Adds controls of the clipboard, in free room near the middle of the canvas.
+    /// Adds the parts of the clipboard: controls in free room near the middle of the canvas, boards and targets in space where they cover
+    /// no others.
     pub(super) fn paste(&mut self, text: String) {
+        if has_parts_in_space(&text) {
+            self.paste_in_space(&text);
+            return;
+        }
         self.leave_plan_for_control();
         let center = self.viewport.center();
         let board = self.board;
@@ -174,6 +206,18 @@ impl EditorPanel {
             text: text.clone(),
             by_mm,
         });
+    }
+
+    /// Adds boards, triggers and targets in space of the clipboard, and shows the first board.
+    fn paste_in_space(&mut self, text: &str) {
+        self.commit_drafts();
+        let index = self.editor.count("boards");
+        self.apply_beside_boards(board_places(), |by_mm| Edit::Paste {
+            board: 0,
+            text: text.to_owned(),
+            by_mm,
+        });
+        self.show_added_board(index);
     }
 
     /// Makes an edit that adds controls, with the offset at which they overlap no others: from their places, or from a point.
