@@ -313,6 +313,19 @@ fn a_board_is_pasted_beside_the_others_and_in_the_place_from_which_it_was_cut() 
 }
 
 #[test]
+fn the_first_control_beside_targets_in_space_is_shown_on_its_board() {
+    let target = "(name: \"Moon\", at_mm: (120, 0, -300), shape: Ball(50))";
+    let spaces = format!("spaces: [(pose: (anchor: elbow), targets: [{target}])]");
+    let mut window = Window::on_text(&format!("Layout(name: \"a\", {spaces})"), 700.0);
+    assert!(window.panel().plan.is_open);
+    window.panel().add_control(ControlKind::Key);
+    let panel = window.panel();
+    assert_eq!(panel.message, None);
+    assert!(!panel.plan.is_open);
+    assert_eq!(panel.selected.single(), Some(0));
+}
+
+#[test]
 fn targets_in_space_are_not_pasted_over_themselves() {
     let spaces = "    ],
     spaces: [(pose: (anchor: elbow), targets: [(name: \"Moon\", at_mm: (120, 0, -300), shape: Ball(50))])],

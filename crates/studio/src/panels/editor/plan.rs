@@ -120,9 +120,9 @@ impl EditorPanel {
         self.show_board(board);
     }
 
-    /// Shows the board to which a new control is added: the selected one.
+    /// Shows the board to which a new control is added: the selected one, or the one that comes with the control.
     pub(super) fn leave_plan_for_control(&mut self) {
-        if self.plan.is_open && self.editor.count("boards") > 0 {
+        if self.plan.is_open && self.editor.is_editable() {
             let board = match *self.editor.selection() {
                 [Part::Board(board)] => board,
                 _ => self.board,
