@@ -69,7 +69,7 @@ const WIDTH_IN_DEVIATIONS: f64 = 4.132_731;
 const MIN_DEVIATION: f64 = 0.289;
 
 impl PointingResult {
-    /// Scores movements; all figures are 0 without one.
+    /// Scores movements; all figures are 0 without one, and the throughput with a single one, whose spread is unknown.
     ///
     /// The throughput follows ISO/TS 9241-411:2012, annex B, in the form of MacKenzie 2015 (Fitts' throughput and the remarkable case
     /// of touch-based target selection, doi 10.1007/978-3-319-20916-6_23) and of the program that comes with it, for a series of
@@ -107,7 +107,8 @@ impl PointingResult {
             misses: movements.iter().filter(|movement| !movement.is_hit).count(),
             movement_s,
             path_efficiency: mean(&efficiency),
-            throughput: if movement_s > 0.0 {
+            // The smallest deviation would make one click the best of all.
+            throughput: if movements.len() > 1 && movement_s > 0.0 {
                 difficulty / movement_s
             } else {
                 0.0
@@ -195,6 +196,8 @@ mod tests {
             perfect.throughput.is_finite() && perfect.throughput > 7.0,
             "{perfect:?}"
         );
+        let one = PointingResult::new(&movements(&[[0.0, 0.0]], 1.0));
+        assert_eq!((one.targets, one.throughput), (1, 0.0));
         let resting = Movement {
             from: [0.0; 2],
             to: [0.0; 2],
