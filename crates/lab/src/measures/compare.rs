@@ -189,7 +189,13 @@ fn differences(measures: &[Measure], pairs: &[(&PersonScore, &PersonScore)]) -> 
             measure.of(&after) - measure.of(&before)
         }),
     };
-    measures.iter().map(difference).collect()
+    // Tasks that nobody does have no time, and would be the fastest ones. The time is the last measure of a list, so that the others of a
+    // group keep their places.
+    let has_times = pairs.iter().any(|(before, _)| before.tasks()[1] > 0.0)
+        && pairs.iter().any(|(_, after)| after.tasks()[1] > 0.0);
+    let is_known = |measure: &&Measure| has_times || **measure != Measure::TaskSeconds;
+    let known = measures.iter().filter(is_known);
+    known.map(difference).collect()
 }
 
 impl Comparison {
@@ -266,6 +272,8 @@ fn words(difference: &Difference) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measures::TaskScore;
+    use crate::trials::TaskKind;
 
     fn people(hands: &[f64], wpm: f64) -> Vec<PersonScore> {
         let person = |&hand_mm: &f64| PersonScore {
@@ -291,6 +299,35 @@ mod tests {
         );
         let two = compared(&[180.0, 190.0]).verdict();
         assert!(two.starts_with("b is 2.0 to 2.0 words/min faster"), "{two}");
+    }
+
+    #[test]
+    fn a_layout_on_which_no_task_is_done_is_not_the_faster_one() {
+        let on = |done: u64| {
+            let mut own = people(&[180.0, 190.0], 0.0);
+            for person in &mut own {
+                person.characters = 0;
+                person.tasks = vec![TaskScore {
+                    name: "A".to_owned(),
+                    kind: TaskKind::Touch,
+                    tries: 4,
+                    done,
+                    wrong: 0,
+                    seconds: if done > 0 { 0.5 } else { 0.0 },
+                    error: None,
+                }];
+            }
+            own
+        };
+        let compared = compare(("a", &on(4)), ("b", &on(0))).expect("both are tasks");
+        let measures: Vec<Measure> = compared.differences.iter().map(|it| it.measure).collect();
+        assert_eq!(measures, [Measure::TaskPoints]);
+        assert_eq!(
+            compared.verdict(),
+            "b has 100.0 to 100.0 points fewer tasks done."
+        );
+        let timed = compare(("a", &on(4)), ("b", &on(2))).expect("both are tasks");
+        assert_eq!(timed.differences.len(), 2);
     }
 
     #[test]
