@@ -215,7 +215,9 @@ impl Comparison {
             Some(first) => format!("{first} and {last}"),
             None => last,
         };
-        let reversed = self.groups.iter().filter(|group| {
+        // The interval of one person has no width, and excludes 0 whatever the person does.
+        let groups = self.groups.iter().filter(|group| group.people > 1);
+        let reversed = groups.filter(|group| {
             let pairs = group.differences.iter().zip(&self.differences).take(2);
             pairs.into_iter().any(|(own, overall)| {
                 own.interval.excludes_zero()
@@ -299,6 +301,26 @@ mod tests {
         );
         let two = compared(&[180.0, 190.0]).verdict();
         assert!(two.starts_with("b is 2.0 to 2.0 words/min faster"), "{two}");
+    }
+
+    #[test]
+    fn a_group_of_one_person_reverses_no_verdict() {
+        let hands = [180.0; 7];
+        let with_long = |short: f64, long: f64, count: usize| {
+            let mut all = people(&hands, short);
+            all.extend(people(&[200.0, 201.0][..count], long));
+            all
+        };
+        for (count, is_reversed) in [(1, false), (2, true)] {
+            let before = with_long(10.0, 14.0, count);
+            let after = with_long(20.0, 13.0, count);
+            let verdict = compare(("a", &before), ("b", &after))
+                .expect("both type")
+                .verdict();
+            assert!(verdict.contains("words/min faster"), "{verdict}");
+            let says_so = verdict.contains("; for hands above 180 mm");
+            assert_eq!(says_so, is_reversed, "{verdict}");
+        }
     }
 
     #[test]
