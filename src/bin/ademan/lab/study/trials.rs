@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use ademan::files;
 use ademan::message::escape_path;
-use ademan::study::{Study, Trial};
+use ademan::study::{Study, Trial, TrialKind};
 
 use super::outputs;
 use crate::failure::Failure;
@@ -74,10 +74,15 @@ impl Trials {
         remaining.collect()
     }
 
-    /// Returns the number of participants whose first trial was before the first one of a participant.
+    /// Returns the number of participants whose first trial was before the first one of a participant. Practice does not count: it is
+    /// older than the study, and added to it at any time.
     pub fn participants_before(&self, participant: &str) -> usize {
         let mut names: Vec<&str> = Vec::new();
-        for trial in &self.all {
+        let tasks = self
+            .all
+            .iter()
+            .filter(|trial| trial.kind != TrialKind::Practice);
+        for trial in tasks {
             if trial.participant == participant {
                 break;
             }
@@ -118,5 +123,33 @@ impl Trials {
         })?;
         self.all.push(trial);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn practice_that_is_added_later_does_not_change_the_order_of_the_layouts() {
+        let trial = |participant: &str, time: &str, kind: TrialKind| -> Trial {
+            let kind = kind.name();
+            let text = format!(
+                "{{\"participant\":\"{participant}\",\"order\":0,\"layout\":\"board\",\"kind\":\"{kind}\",\"task\":null,\"time\":\"{time}\",\
+                 \"is_simulated\":false,\"program_version\":\"\",\"seconds\":1.0}}"
+            );
+            serde_json::from_str(&text).expect("a trial")
+        };
+        // In the order of their times, as they are read.
+        let trials = Trials {
+            folder: PathBuf::new(),
+            all: vec![
+                trial("P03", "2026-01-01T00:00:00Z", TrialKind::Practice),
+                trial("P01", "2026-01-02T00:00:00Z", TrialKind::Phrase),
+                trial("P02", "2026-01-03T00:00:00Z", TrialKind::Phrase),
+            ],
+        };
+        let before = ["P01", "P02", "P03"].map(|name| trials.participants_before(name));
+        assert_eq!(before, [0, 1, 2]);
     }
 }
