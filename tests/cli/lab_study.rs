@@ -40,11 +40,14 @@ fn mode(path: &Path) -> u32 {
     fs::metadata(path).expect("it exists").permissions().mode() & 0o777
 }
 
-/// Asserts that a report replaces neither the study that it reads nor its other result.
+/// Asserts that a report replaces neither the study and the trials that it reads nor its other result.
 fn assert_keeps_the_study(study: &Path, html: &Path) {
     let own = study.join("study.json");
+    let trial = study.join("trials/P01-0000.json");
+    assert!(trial.exists());
     for (csv, words) in [
         (own.as_path(), "is read by this command"),
+        (trial.as_path(), "is read by this command"),
         (html, "is named for two results"),
     ] {
         let report = ["lab", "study", "report", text(study)];

@@ -9,7 +9,7 @@ use ademan::session::counted;
 use ademan::study::{LayoutFigures, Study, figures, study_to_html, trials_to_csv};
 
 use super::super::table::row;
-use super::trials::Trials;
+use super::trials::{self, Trials};
 use crate::failure::Failure;
 use crate::result_files;
 
@@ -35,7 +35,9 @@ pub fn run(args: &ReportArgs) -> Result<(), Failure> {
         .flatten()
         .map(PathBuf::as_path)
         .collect();
-    result_files::check(&written, &[args.folder.join(super::STUDY)])?;
+    let mut read = vec![args.folder.join(super::STUDY)];
+    read.extend(trials::paths(&args.folder));
+    result_files::check(&written, &read)?;
     let study = super::read(&args.folder)?;
     let trials = Trials::read(&args.folder)?;
     // The files come first: a reader of the text that ends early must not cost them.

@@ -14,6 +14,12 @@ use crate::failure::Failure;
 /// The folder of the trials, in the folder of the study.
 pub const FOLDER: &str = "trials";
 
+/// Returns the files of the trials of a study, with their recordings; none if they cannot be listed.
+pub fn paths(study: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(study.join(FOLDER)).into_iter().flatten();
+    entries.flatten().map(|entry| entry.path()).collect()
+}
+
 /// The trials so far.
 pub struct Trials {
     folder: PathBuf,
