@@ -246,6 +246,41 @@ fn missing_landmarks_cost_only_the_attributes_that_need_them() {
 }
 
 #[test]
+fn a_signed_rotation_keeps_its_sign_without_the_hand() {
+    let cases = vectors();
+    let mut poses = cases.iter();
+    let case = poses.find(|case| case["name"] == "past_full_rotation");
+    let case = case.expect("a pose past the full rotation");
+    let folder = tempfile::tempdir().unwrap();
+    let mut rows = case["half_pose"].clone();
+    let whole = rows.to_string();
+    // Both index fingers.
+    (rows[8], rows[9]) = (Value::Null, Value::Null);
+    let path = file(&folder, "poses.jsonl", format!("{whole}\n{rows}\n"));
+    let size = format!("{},{}", case["width"], case["height"]);
+    let printed = run([
+        "arm",
+        "attributes",
+        &path,
+        "--signed",
+        "--image-size",
+        &size,
+    ]);
+    let found = lines(&printed.done().out);
+    assert_eq!(found.len(), 2);
+    let rotation = |line: usize, side: &str| {
+        let rotation = &found[line][side]["shoulder_rotation"];
+        rotation.as_f64().expect("a number")
+    };
+    let sides = ["left", "right"];
+    assert!(sides.iter().any(|side| rotation(0, side) < 0.0));
+    for side in sides {
+        let (seen, hidden) = (rotation(0, side), rotation(1, side));
+        assert!((seen - hidden).abs() < 1e-9, "{side}: {seen} {hidden}");
+    }
+}
+
+#[test]
 fn a_file_without_poses_is_refused_with_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let good = vectors()[0]["half_pose"].to_string();

@@ -67,7 +67,8 @@ impl Line {
             } else {
                 ArmAttributes::from_landmarks(pose, side)
             };
-            attributes.map_or_else(|_| ArmValues::partial(pose, side), ArmValues::from)
+            let partial = |_| ArmValues::partial(pose, side, is_signed);
+            attributes.map_or_else(partial, ArmValues::from)
         };
         Self {
             time_us,
@@ -95,8 +96,9 @@ impl Line {
 }
 
 impl ArmValues {
-    /// Returns the attributes that incomplete landmarks determine: all but those that need the missing ones.
-    fn partial(pose: &HalfPose, side: Side) -> Self {
+    /// Returns the attributes that incomplete landmarks determine: all but those that need the missing ones. With `is_signed`, the
+    /// shoulder rotation is negative past the full rotation.
+    fn partial(pose: &HalfPose, side: Side, is_signed: bool) -> Self {
         let arm = pose.arm(side);
         let length = |from: DVec3, to: DVec3| Some(from.distance(to)).filter(|it| is_length(*it));
         let (upper_arm, forearm) = (arm.elbow - arm.shoulder, arm.wrist - arm.elbow);
@@ -143,7 +145,16 @@ impl ArmValues {
         }
         let normal = image_from_shoulder.transpose() * upper_arm.cross(forearm);
         let full = FullRotation::new(side, direction);
-        let rotation = full.map(|full| normal.angle_between(full.normal));
+        let rotation = full.map(|full| {
+            let apart = normal.angle_between(full.normal);
+            // The rotation turns the normal from the full one to this side of it.
+            let across = match side {
+                Side::Left => direction.cross(full.normal),
+                Side::Right => full.normal.cross(direction),
+            };
+            let is_past = is_signed && normal.dot(across) < 0.0;
+            if is_past { -apart } else { apart }
+        });
         values.shoulder_rotation = rotation.filter(|rotation| rotation.is_finite());
         values
     }
