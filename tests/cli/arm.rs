@@ -172,6 +172,7 @@ fn a_movement_joins_its_postures_and_no_bone_shrinks_on_the_way() {
         let full = super::lab::run_with_small_files(&too_large);
         assert_eq!(full.code, Some(1), "{}", full.err);
         assert!(full.err.contains("large.jsonl"), "{}", full.err);
+        assert!(!large.exists(), "a part of the movement is left");
     }
 }
 

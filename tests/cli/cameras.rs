@@ -170,6 +170,28 @@ fn marks_outside_the_image_are_refused_with_their_place() {
 
 #[cfg(unix)]
 #[test]
+fn no_part_of_the_lines_is_left_if_a_later_one_has_an_unknown_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    let exact = room();
+    let cameras = CamerasFile::new(&exact).to_text(CamerasFormat::Ron);
+    let cameras = file(&folder, "cameras.ron", cameras);
+    let mark = [("RightHand", DVec3::new(0.1, 0.2, 0.3))];
+    let known = line(&exact, &mark);
+    let unknown = known.replace("cam2", "cam9");
+    let seen = file(&folder, "seen.jsonl", format!("{known}\n{unknown}\n"));
+    let lines = folder.path().join("lines.jsonl");
+    let from = ["cameras", "lines", &seen, "--cameras", &cameras];
+    let refused = run(from.into_iter().chain(["--output", text(&lines)]));
+    assert_eq!(refused.code, Some(2), "{}", refused.out);
+    assert!(
+        refused.err.contains("has no camera `cam9`"),
+        "{}",
+        refused.err
+    );
+    assert!(!lines.exists(), "a part of the lines is left");
+}
+
+#[test]
 fn no_part_of_the_cameras_is_left_on_a_full_disk() {
     let folder = tempfile::tempdir().unwrap();
     // The limit of the size of files stands for a full disk: the names alone are longer.

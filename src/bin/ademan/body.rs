@@ -137,15 +137,16 @@ fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
             "{count} of {all} poses have no angles and are left out; the first one: {reason}"
         );
     }
-    let mut out = args.output.open()?;
-    if args.csv {
-        write_csv(&lines, &mut out)?;
-    } else {
-        for line in &lines {
-            writeln!(out, "{}", json(line))?;
+    args.output.write(|out| {
+        if args.csv {
+            write_csv(&lines, out)?;
+        } else {
+            for line in &lines {
+                writeln!(out, "{}", json(line))?;
+            }
         }
-    }
-    args.output.finish(out)?;
+        Ok(())
+    })?;
     if args.check {
         say!(
             "{} poses; the positions that the angles give differ by {largest:.1e} at most",
@@ -190,11 +191,12 @@ fn print_positions(args: &PositionsArgs) -> Result<(), Failure> {
         }));
         Ok(())
     })?;
-    let mut out = args.output.open()?;
-    for line in lines {
-        writeln!(out, "{line}")?;
-    }
-    args.output.finish(out)
+    args.output.write(|out| {
+        for line in lines {
+            writeln!(out, "{line}")?;
+        }
+        Ok(())
+    })
 }
 
 /// Parses a line of angles.

@@ -44,16 +44,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 .map(|pose| Line::new(pose.time_us, &pose.half, args.signed)),
         );
     }
-    let mut out = args.output.open()?;
-    if args.csv {
-        csv::write_header(&mut out)?;
-    }
-    for line in &lines {
+    args.output.write(|out| {
         if args.csv {
-            csv::write_line(line, &mut out)?
-        } else {
-            writeln!(out, "{}", line.json())?
+            csv::write_header(out)?;
         }
-    }
-    args.output.finish(out)
+        for line in &lines {
+            if args.csv {
+                csv::write_line(line, out)?
+            } else {
+                writeln!(out, "{}", line.json())?
+            }
+        }
+        Ok(())
+    })
 }

@@ -1,5 +1,6 @@
 //! `ademan arm between`.
 
+use std::io::Write;
 use std::path::PathBuf;
 
 use ademan::estimate::arm_attributes::{HALF_POSE_ROWS, HalfPose, ImageSize, Trunk};
@@ -114,12 +115,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             Ok(half)
         })
         .collect::<Result<_, Failure>>()?;
-    let mut out = args.output.open()?;
-    if args.form == Form::Strip {
-        let text = strip::draw(&postures, |way| pose_at(&postures, way));
-        out.write_all(text?.as_bytes())?;
-        return args.output.finish(out);
-    }
+    args.output.write(|out| match args.form {
+        Form::Strip => {
+            let text = strip::draw(&postures, |way| pose_at(&postures, way))?;
+            Ok(out.write_all(text.as_bytes())?)
+        }
+        Form::Landmarks | Form::Attributes => write_poses(args, &postures, out),
+    })
+}
+
+/// Writes the poses of a movement through postures, one per line.
+fn write_poses(args: &Args, postures: &[HalfPose], out: &mut dyn Write) -> Result<(), Failure> {
     let count = (args.ms * 1e-3 * args.rate_hz).round().max(1.0) as u64;
     let segments = postures.len() - 1;
     for index in 0..=count {
@@ -127,14 +133,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let segment = course.floor().min(segments as f64 - 1.0);
         let way = segment + args.ease.way(course - segment);
         let time_us = (index as f64 / count as f64 * args.ms * 1e3).round() as u64;
-        let pose = pose_at(&postures, way)?;
+        let pose = pose_at(postures, way)?;
         let line = match args.form {
             Form::Attributes => Line::new(Some(time_us), &pose, true).json(),
             _ => poses::landmark_line(&pose, Some(time_us)),
         };
         writeln!(out, "{line}")?;
     }
-    args.output.finish(out)
+    Ok(())
 }
 
 /// Returns the pose on the way through postures: `1.5` is half the way from the second to the third.

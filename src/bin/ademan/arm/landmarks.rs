@@ -29,9 +29,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 .map(|pose| poses::landmark_line(&pose.half, pose.time_us)),
         );
     }
-    let mut out = args.output.open()?;
-    for line in lines {
-        writeln!(out, "{line}")?;
-    }
-    args.output.finish(out)
+    args.output.write(|out| {
+        for line in lines {
+            writeln!(out, "{line}")?;
+        }
+        Ok(())
+    })
 }

@@ -9,7 +9,7 @@ pub mod poses;
 mod strip;
 mod values;
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -61,6 +61,29 @@ impl OutputArgs {
             }))),
             None => Ok(Box::new(BufWriter::new(io::stdout().lock()))),
         }
+    }
+
+    /// Writes results by a function to the destination. A file that did not become complete is removed: a part of the results looks like
+    /// all of them, and is in the way of the next try.
+    pub fn write(
+        &self,
+        results: impl FnOnce(&mut dyn Write) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let mut out = self.open()?;
+        let written = match results(&mut out) {
+            Ok(()) => self.finish(out),
+            Err(failure) => {
+                // Windows removes no open file.
+                drop(out);
+                Err(failure)
+            }
+        };
+        if written.is_err()
+            && let Some(path) = &self.output
+        {
+            let _ = fs::remove_file(path);
+        }
+        written
     }
 
     /// Writes the rest of the results, and says that the file is written. Says nothing of the standard output.

@@ -1,7 +1,5 @@
 //! `ademan bridge blender`: an add-on that moves bones and properties in Blender, its table of mappings, and its channels.
 
-use std::io::Write;
-
 use ademan::estimate::JointLimits;
 use ademan::hand::{Dof, Joint};
 
@@ -49,9 +47,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         (_, true) => channels(),
         _ => add_on(),
     };
-    let mut out = args.output.open()?;
-    out.write_all(text.as_bytes())?;
-    args.output.finish(out)
+    args.output.write(|out| Ok(out.write_all(text.as_bytes())?))
 }
 
 /// Returns the add-on as one file.

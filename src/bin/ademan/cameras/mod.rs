@@ -196,7 +196,16 @@ fn report(calibration: &Calibration) {
 fn print_lines(args: &LinesArgs) -> Result<(), Failure> {
     let cameras = read_cameras(&args.cameras)?;
     let lines = read_lines(&args.files)?;
-    let mut out = args.output.open()?;
+    args.output
+        .write(|out| write_lines(args, &cameras, &lines, out))
+}
+
+fn write_lines(
+    args: &LinesArgs,
+    cameras: &[Camera],
+    lines: &[Line],
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
     for line in lines {
         let mut views = Vec::new();
         for view in &line.cameras {
@@ -212,7 +221,7 @@ fn print_lines(args: &LinesArgs) -> Result<(), Failure> {
         };
         writeln!(out, "{line}")?;
     }
-    args.output.finish(out)
+    Ok(())
 }
 
 /// Returns what a calibrated camera sees for `protocol=markers`, without the distortion of its lens.
