@@ -316,6 +316,17 @@ fn comma_separated_values_have_a_column_for_each_number() {
         .collect();
     let pose = file(&folder, "pose.csv", numbers.join(","));
     let printed = run(["arm", "attributes", &pose, "--csv"]).done();
+    let decimal_commas = numbers.join(";").replace('.', ",");
+    for (name, content) in [
+        ("semicolons", numbers.join(";")),
+        ("tabs", numbers.join("\t")),
+        ("blanks", numbers.join(" ")),
+        ("decimal-commas", decimal_commas),
+    ] {
+        let other = file(&folder, name, content + "\n");
+        let read = run(["arm", "attributes", &other, "--csv"]).done();
+        assert_eq!(read.out, printed.out, "{name}");
+    }
     let printed_rows: Vec<Vec<&str>> = printed
         .out
         .lines()

@@ -11,8 +11,8 @@ use crate::failure::Failure;
 /// Print the attributes of both arms of each pose of landmarks, as lines of JSON or CSV
 ///
 /// A pose is a line: an object with `pose_world_landmarks` as the protocol `body-landmarks` has it, a list of 33 landmarks or of the
-/// 14 from the shoulders to the hips, or their numbers separated by commas. Lengths have the unit of the landmarks, angles are in
-/// radians. What missing landmarks would determine is null.
+/// 14 from the shoulders to the hips, or their numbers separated by commas, semicolons, tabs or blanks. Lengths have the unit of the
+/// landmarks, angles are in radians. What missing landmarks would determine is null.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  ademan arm attributes poses.jsonl\n  ademan arm attributes --image-size 1280,720 --csv --output attributes.csv poses.jsonl"

@@ -181,9 +181,21 @@ pub fn row(value: &Value) -> DVec3 {
     DVec3::new(number(0, "x"), number(1, "y"), number(2, "z"))
 }
 
+/// Returns the landmarks of a line of numbers.
 fn csv_rows(text: &str) -> Option<Vec<DVec3>> {
-    let fields = text.trim().split([',', ';', '\t']).map(str::trim);
+    let text = text.trim();
+    // As spreadsheets of many languages write `0,5;0,25`.
+    let with_decimal_commas = rows(text.replace(',', ".").split([';', '\t']));
+    let by_any = || rows(text.split([',', ';', '\t']));
+    // As `numpy.savetxt` separates numbers.
+    let by_blanks = || rows(text.split_whitespace());
+    with_decimal_commas.or_else(by_any).or_else(by_blanks)
+}
+
+/// Returns the landmarks of fields with three or four numbers each.
+fn rows<'a>(fields: impl Iterator<Item = &'a str>) -> Option<Vec<DVec3>> {
     let numbers: Vec<f64> = fields
+        .map(str::trim)
         .map(|field| {
             if field.is_empty() {
                 Some(f64::NAN)
@@ -197,8 +209,12 @@ fn csv_rows(text: &str) -> Option<Vec<DVec3>> {
         [HALF_POSE_ROWS, POSE_ROWS].contains(&(numbers.len() / width))
             && numbers.len().is_multiple_of(*width)
     })?;
-    let rows = numbers.chunks(width);
-    Some(rows.map(|row| DVec3::new(row[0], row[1], row[2])).collect())
+    let points = numbers.chunks(width);
+    Some(
+        points
+            .map(|row| DVec3::new(row[0], row[1], row[2]))
+            .collect(),
+    )
 }
 
 fn half_pose(
