@@ -206,6 +206,11 @@ fn missing_landmarks_cost_only_the_attributes_that_need_them() {
     let pose = file(&folder, "pose.json", rows.to_string());
     let size = format!("{},{}", case["width"], case["height"]);
     let printed = run(["arm", "attributes", &pose, "--image-size", &size]).done();
+    // As Python writes it.
+    let nan = rows.to_string().replace("null", "[NaN, NaN, NaN]");
+    let nan = file(&folder, "nan.json", nan);
+    let of_nan = run(["arm", "attributes", &nan, "--image-size", &size]).done();
+    assert_eq!(of_nan.out, printed.out);
     let line = &lines(&printed.out)[0];
     let known = NAMES.iter().filter(|(reference, name)| {
         let expected = &case["attributes"][format!("left_{reference}")];

@@ -304,7 +304,7 @@ pub fn body_of_landmarks(landmarks: &BodyLandmarks) -> BodyPoints {
 
 /// Parses a pose. Points that are `null` are NaN, and without a person all of them.
 fn parse_body(text: &str) -> Result<(Option<u64>, BodyPoints), String> {
-    let value: Value = serde_json::from_str(text).map_err(|error| {
+    let value = poses::json(text).map_err(|error| {
         format!(
             "neither an object with the twelve points, a list of them, nor `pose_world_landmarks`: {error}; `ademan body angles --help` lists \
              the formats"

@@ -119,7 +119,7 @@ pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
 
 /// Parses one pose; `None` if no person was seen. An error states what it could be and is not.
 fn parse(text: &str, image: Option<ImageSize>) -> Result<Option<Pose>, String> {
-    let Ok(value) = serde_json::from_str::<Value>(text) else {
+    let Ok(value) = json(text) else {
         let rows = csv_rows(text).ok_or(
             "neither JSON nor comma-separated numbers of 14 or 33 landmarks; \
              `ademan arm attributes --help` lists the formats",
@@ -141,6 +141,14 @@ fn parse(text: &str, image: Option<ImageSize>) -> Result<Option<Pose>, String> {
         return Ok(None);
     };
     half_pose(&list.iter().map(row).collect::<Vec<_>>(), image, time_us).map(Some)
+}
+
+/// Parses a line of JSON. `NaN`, which Python writes for a number that is missing and JSON does not have, becomes `null`.
+pub fn json(text: &str) -> Result<Value, serde_json::Error> {
+    serde_json::from_str(text).or_else(|error| {
+        // No name that is read here has these letters.
+        serde_json::from_str(&text.replace("NaN", "null")).map_err(|_| error)
+    })
 }
 
 /// Returns the time that a line states, in microseconds.
