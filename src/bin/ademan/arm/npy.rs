@@ -11,6 +11,9 @@ const MAX_HEADER_BYTES: usize = 1 << 16;
 /// Most numbers of a file: two hours of 33 landmarks at 60 Hz.
 const MAX_NUMBERS: usize = 1 << 26;
 
+/// Most numbers of a landmark: x, y and z, and the visibility and the presence of some models.
+const MAX_COORDINATES: usize = 5;
+
 /// The types of numbers that are read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
@@ -55,6 +58,12 @@ pub fn read(mut file: impl Read) -> Result<Vec<String>, String> {
         .try_fold(1_usize, |product, &number| product.checked_mul(number));
     let count = count.filter(|&count| count <= MAX_NUMBERS);
     let count = count.ok_or_else(|| format!("more than {MAX_NUMBERS} numbers"))?;
+    // The rows of an array of flat poses would be taken for landmarks.
+    if columns > MAX_COORDINATES {
+        return Err(format!(
+            "landmarks of {columns} numbers, which have {MAX_COORDINATES} at most; save flat poses as `array.reshape(-1, 33, 3)`"
+        ));
+    }
     let numbers = numbers(&mut file, kind, count)?;
     if count == 0 {
         return Ok(Vec::new());
@@ -200,6 +209,10 @@ mod tests {
                     &double,
                 ),
                 "more than",
+            ),
+            (
+                array(1, &header("<f8", "False", "(33, 99)"), &double),
+                "landmarks of 99 numbers",
             ),
             (
                 array(1, &header("<f8", "False", "(-1, 3)"), &double),
