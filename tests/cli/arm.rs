@@ -299,6 +299,10 @@ fn a_file_without_poses_is_refused_with_its_line() {
             "[[0,0,0]]".to_owned(),
             ":1: 1 landmarks; a pose has 33, a half pose 14",
         ),
+        (
+            format!("[{good},{good}]"),
+            ":1: a list of 2 poses; write each pose on a line of its own",
+        ),
         ("{\"a\":1}".to_owned(), ":1: a pose is a list of landmarks"),
         ("\n\n".to_owned(), "holds no pose"),
     ] {

@@ -137,10 +137,29 @@ fn parse(text: &str, image: Option<ImageSize>) -> Result<Option<Pose>, String> {
     let time_us = time_us(&value)?;
     let fields = || LANDMARK_FIELDS.iter().filter_map(|name| value.get(name));
     let field = fields().find(|field| !field.is_null()).or(fields().next());
+    if field.is_none() {
+        check_one_pose(&value)?;
+    }
     let Some(list) = landmarks(field.unwrap_or(&value))? else {
         return Ok(None);
     };
     half_pose(&list.iter().map(row).collect::<Vec<_>>(), image, time_us).map(Some)
+}
+
+/// Refuses a list of several poses, of which only the first one would count.
+fn check_one_pose(list: &Value) -> Result<(), String> {
+    let is_landmark = |value: &Value| value.is_array() || value.is_object();
+    let is_pose = |value: &&Value| {
+        let points = value.as_array();
+        points.is_some_and(|all| all.iter().any(is_landmark))
+    };
+    let poses = list.as_array().into_iter().flatten().filter(is_pose);
+    match poses.count() {
+        0 | 1 => Ok(()),
+        count => Err(format!(
+            "a list of {count} poses; write each pose on a line of its own"
+        )),
+    }
 }
 
 /// Parses a line of JSON. `NaN`, which Python writes for a number that is missing and JSON does not have, becomes `null`.
