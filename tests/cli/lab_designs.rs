@@ -396,6 +396,13 @@ fn a_layout_of_the_community_is_imported_checked_and_scored() {
     assert!(errors < 5.0, "{}", scored.out);
     let again = run(["lab", "import", &grid, "--output", text(&path)]);
     assert_eq!(again.code, Some(2), "{}", again.err);
+    // A part of the name behind a point is no extension.
+    std::fs::rename(&grid, folder.path().join("grid.v2.txt")).expect("a file");
+    let mut import = super::ademan(["lab", "import", "grid.v2.txt"]);
+    let unnamed = import.current_dir(folder.path()).output();
+    let unnamed: super::Ended = unnamed.expect("the program starts").into();
+    unnamed.done();
+    assert!(folder.path().join("grid.v2.ron").exists());
     let other = file(
         &folder,
         "other.klc",

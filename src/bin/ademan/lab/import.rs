@@ -37,9 +37,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let text = outputs::read_text(&args.file).map_err(cannot)?;
     let imported = import(&args.file.to_string_lossy(), &text, args.hands)
         .map_err(|error| cannot(error.to_string()))?;
-    let path = args.output.clone().unwrap_or_else(|| {
-        PathBuf::from(args.file.file_stem().unwrap_or_default()).with_extension("ron")
-    });
+    // A point in the name begins no extension: `canary.v2.dof` becomes `canary.v2.ron`.
+    let stem = PathBuf::from(args.file.file_stem().unwrap_or_default()).with_added_extension("ron");
+    let path = args.output.clone().unwrap_or(stem);
     let path = new_file::with_extension(&path, "ron");
     for note in &imported.notes {
         complain!("note: {note}");
