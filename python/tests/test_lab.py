@@ -21,6 +21,14 @@ def test_people_with_more_scatter_make_more_errors(program):
     assert unsteady.figures.loc["cer", "value"] > steady.figures.loc["cer", "value"] + 0.1
 
 
+def test_a_pointer_has_rows_of_its_own(program):
+    score = ademan.lab.score("direct", people=2, source="ideal")
+    assert list(score.figures.columns) == ["value", "low", "high"]
+    assert not score.figures.isna().to_numpy().any()
+    throughput = score.figures.loc["pointing_throughput"]
+    assert 0 < throughput["low"] <= throughput["value"] <= throughput["high"]
+
+
 def test_the_same_seed_has_the_same_result(program):
     first, second = (ademan.lab.score("numpad", people=2, phrases="digits", count=2, seed=7) for _ in range(2))
     assert first.result == second.result

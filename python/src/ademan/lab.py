@@ -20,7 +20,8 @@ class Score:
 
     #: The result as `ademan lab verify` reads it.
     result: dict[str, Any]
-    #: One row for each figure, with its value and the ends of its 95 % interval; shares are fractions.
+    #: One row for each figure, with its value and the ends of its 95 % interval; shares are fractions. Figures of a pointer begin with
+    #: `pointing_`.
     figures: pd.DataFrame
     #: One row for each person.
     people: pd.DataFrame
@@ -58,7 +59,9 @@ def score(
 
 
 def _score(result: dict[str, Any]) -> Score:
-    intervals = {name: figure for name, figure in result["summary"].items() if isinstance(figure, dict)}
+    summary = result["summary"]
+    pointing = summary.get("pointing") or {}
+    intervals = _intervals(summary) | {f"pointing_{name}": figure for name, figure in _intervals(pointing).items()}
     people = [{name: value for name, value in person.items() if not isinstance(value, list)} for person in result["scores"]]
     phrases = [
         {"person": person["number"], "phrase": number, **phrase}
@@ -76,3 +79,7 @@ def _score(result: dict[str, Any]) -> Score:
         phrases=pd.DataFrame(phrases, columns=["person", "phrase", "characters", "correct", "errors", "seconds"]),
         keys=keys,
     )
+
+
+def _intervals(figures: dict[str, Any]) -> dict[str, Any]:
+    return {name: figure for name, figure in figures.items() if isinstance(figure, dict) and "value" in figure}
