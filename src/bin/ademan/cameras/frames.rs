@@ -144,17 +144,22 @@ pub fn film_rate(path: &Path) -> Result<f64, Failure> {
     let output = command.stdin(Stdio::null()).output();
     let output = output.map_err(|error| no_ffmpeg(path, &error))?;
     let text = String::from_utf8_lossy(&output.stdout);
-    let rate = text.trim().split_once('/').and_then(|(frames, seconds)| {
-        let rate = frames.parse::<f64>().ok()? / seconds.parse::<f64>().ok()?;
-        (rate.is_finite() && rate > 0.0).then_some(rate)
-    });
-    rate.ok_or_else(|| {
+    parse_rate(&text).ok_or_else(|| {
         Failure::wrong_use(format!(
             "{} is neither a folder of pictures nor a film that ffmpeg reads: {}",
             escape_path(path),
             escape_line(String::from_utf8_lossy(&output.stderr).trim())
         ))
     })
+}
+
+/// Reads the first fraction of a report. The rate is there twice for a stream of a program, and a comma follows it if the film states how
+/// it is turned.
+fn parse_rate(text: &str) -> Option<f64> {
+    let mut words = text.split([',', '\r', '\n']).map(str::trim);
+    let (frames, seconds) = words.find(|word| !word.is_empty())?.split_once('/')?;
+    let rate = frames.parse::<f64>().ok()? / seconds.parse::<f64>().ok()?;
+    (rate.is_finite() && rate > 0.0).then_some(rate)
 }
 
 /// Returns a path that `ffmpeg` takes for a file, whatever its name begins with.
@@ -314,6 +319,21 @@ mod tests {
             let mut found = with_missing(paths(there));
             found.retain(|path| !paths(there).contains(path));
             assert_eq!(found, paths(missing), "{there}");
+        }
+    }
+
+    #[test]
+    fn a_rate_is_read_from_each_form_of_a_report() {
+        for (text, rate) in [
+            ("30/1\n", Some(30.0)),
+            ("30000/1001\n", Some(30_000.0 / 1001.0)),
+            ("60/1,\n", Some(60.0)),
+            ("25/1\r\n\r\n25/1\r\n", Some(25.0)),
+            ("0/0\n", None),
+            ("N/A\n", None),
+            ("", None),
+        ] {
+            assert_eq!(parse_rate(text), rate, "{text:?}");
         }
     }
 
