@@ -168,9 +168,8 @@ fn marks_outside_the_image_are_refused_with_their_place() {
     assert!(ended.err.contains(expected), "{}", ended.err);
 }
 
-#[cfg(unix)]
 #[test]
-fn no_part_of_the_lines_is_left_if_a_later_one_has_an_unknown_camera() {
+fn an_unknown_camera_is_named_and_leaves_no_part_of_the_lines() {
     let folder = tempfile::tempdir().unwrap();
     let exact = room();
     let cameras = CamerasFile::new(&exact).to_text(CamerasFormat::Ron);
@@ -189,8 +188,15 @@ fn no_part_of_the_lines_is_left_if_a_later_one_has_an_unknown_camera() {
         refused.err
     );
     assert!(!lines.exists(), "a part of the lines is left");
+
+    let better = folder.path().join("better.ron");
+    let refine = ["cameras", "calibrate", &seen, "--refine"];
+    let files = ["--cameras", &cameras, "--output", text(&better)];
+    let refined = run(refine.into_iter().chain(files));
+    assert!(refined.err.contains("is called `cam9`"), "{}", refined.err);
 }
 
+#[cfg(unix)]
 #[test]
 fn no_part_of_the_cameras_is_left_on_a_full_disk() {
     let folder = tempfile::tempdir().unwrap();

@@ -6,7 +6,7 @@ mod labels;
 mod markers;
 mod picture;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -147,6 +147,12 @@ fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     if start.len() > MAX_CAMERAS {
         let message = format!("{} cameras; {MAX_CAMERAS} can be calibrated", start.len());
         return Err(Failure::wrong_use(message));
+    }
+    for name in unknown_cameras(&start, &lines) {
+        complain!(
+            "no camera to begin with is called `{}`, so that its marks are left out",
+            escape(name)
+        );
     }
     check_marks(&start, &lines)?;
     let frames: Vec<Frame> = lines.iter().map(|line| frame(&start, line)).collect();
@@ -304,9 +310,18 @@ fn check_marks(cameras: &[Camera], lines: &[Line]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Returns the names in the lines that no camera has, each once.
+fn unknown_cameras<'a>(cameras: &[Camera], lines: &'a [Line]) -> BTreeSet<&'a str> {
+    let views = lines.iter().flat_map(|line| &line.cameras);
+    let names = views.map(|view| view.name.as_str());
+    names
+        .filter(|name| cameras.iter().all(|camera| camera.name != *name))
+        .collect()
+}
+
 /// Returns a camera for each name of the lines.
 fn named_cameras(lines: &[Line], size: DVec2) -> Vec<Camera> {
-    let names: std::collections::BTreeSet<&String> = lines
+    let names: BTreeSet<&String> = lines
         .iter()
         .flat_map(|line| &line.cameras)
         .map(|view| &view.name)
