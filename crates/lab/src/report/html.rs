@@ -151,15 +151,10 @@ fn write_comparison(comparison: &Comparison, page: &mut String) -> fmt::Result {
         )?;
         for group in &comparison.groups {
             let own = group.differences.get(index);
-            write!(
-                page,
-                "{}",
-                cell(
-                    &own.map_or_else(Interval::default, |it| it.interval),
-                    1.0,
-                    2
-                )
-            )?;
+            // A group without a task that is done has no times.
+            let unknown = || "<td class=\"number\">–</td>".to_owned();
+            let text = own.map_or_else(unknown, |it| cell(&it.interval, 1.0, 2));
+            write!(page, "{text}")?;
         }
         writeln!(page, "</tr>")?;
     }
@@ -418,7 +413,7 @@ fn cell(interval: &Interval, factor: f64, digits: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measures::{TaskScore, summarize};
+    use crate::measures::{TaskScore, compare, summarize};
     use crate::trials::TaskKind;
 
     #[test]
@@ -450,5 +445,34 @@ mod tests {
         for other in ["CER", "words/min", "bit/s"] {
             assert!(!page.contains(other), "{page}");
         }
+    }
+
+    #[test]
+    fn a_group_that_does_no_task_has_no_time() {
+        let people = |done: [u64; 2]| -> Vec<PersonScore> {
+            let person = |(count, hand_mm): (u64, f64)| PersonScore {
+                hand_mm,
+                tasks: vec![TaskScore {
+                    name: "A".to_owned(),
+                    kind: TaskKind::Touch,
+                    tries: 4,
+                    done: count,
+                    wrong: 0,
+                    seconds: if count > 0 { 0.5 } else { 0.0 },
+                    error: None,
+                }],
+                ..PersonScore::default()
+            };
+            done.into_iter().zip([170.0, 200.0]).map(person).collect()
+        };
+        let (before, after) = (people([4, 4]), people([4, 0]));
+        let comparison = compare(("a", &before), ("b", &after)).expect("both are tasks");
+        let mut page = String::new();
+        write_comparison(&comparison, &mut page).expect("writing to a string does not fail");
+        assert_eq!(
+            page.matches("<td class=\"number\">–</td>").count(),
+            1,
+            "{page}"
+        );
     }
 }
