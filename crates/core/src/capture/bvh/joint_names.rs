@@ -7,6 +7,7 @@
 //! | Rokoko | `LeftArm LeftForeArm LeftHand`, `leftUpperArm leftLowerArm` | `LeftFinger2Metacarpal` … `Tip`, `leftIndexProximal` … |
 //! | Xsens | `LeftShoulder LeftElbow LeftWrist`, `LeftUpperArm LeftForeArm LeftHand` | `LeftSecondMC LeftSecondPP LeftSecondMP LeftSecondDP` |
 //! | Vicon | `LeftArm LeftForeArm LeftHand` | `LeftHandIndex1` … `4` below `LeftHandIndex` at the wrist |
+//! | Rigify | `upper_arm.L forearm.L hand.L` | `thumb.01.L f_index.01.L` |
 //! | MakeHuman | `upperarm01.L lowerarm01.L wrist.L`, `UpArm_L LoArm_L Hand_L`, `upperarm_l lowerarm_l hand_l` | `metacarpal1.L finger2-1.L`, `Index1_L`, `index_01_l`, `LeftHandFinger1` |
 //!
 //! Case, blanks, `_`, `-` and `.` do not matter, nor does a namespace before a colon. The side is `left` or `right` at the
@@ -112,7 +113,9 @@ fn finger_joint(part: &str) -> Option<(Joint, bool)> {
         Some(rest) => (rest, true),
         None => (part.strip_prefix("hand").unwrap_or(part), false),
     };
-    let (finger, segment, style) = finger_of(part)?;
+    // Rigify begins the names of all fingers but the thumb with an F.
+    let of_rigify = || finger_of(part.strip_prefix('f')?);
+    let (finger, segment, style) = finger_of(part).or_else(of_rigify)?;
     let segment = match (is_in_hand, segment) {
         (true, "") => "metacarpal",
         (true, _) => return None,
@@ -240,6 +243,13 @@ mod tests {
             ("RightFirstPP", "right thumb-phalanx-proximal"),
             ("RightSecondMC", "right index-finger-metacarpal"),
             ("RightFourthMP", "right ring-finger-phalanx-intermediate"),
+            // Rigify
+            ("upper_arm.L", "left shoulder"),
+            ("thumb.01.R", "right thumb-metacarpal"),
+            ("f_index.01.L", "left index-finger-phalanx-proximal"),
+            ("f_middle.03.R", "right middle-finger-phalanx-distal"),
+            ("f_pinky.02.L", "left pinky-finger-phalanx-intermediate"),
+            ("f_index.01_master.L", "none"),
             // Others
             ("lowerarm01.R", "right elbow"),
             ("finger2-1.L", "left index-finger-phalanx-proximal"),
