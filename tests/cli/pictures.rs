@@ -81,6 +81,37 @@ fn a_file_is_overwritten_on_request_only() {
 }
 
 #[test]
+fn a_picture_replaces_no_file_that_it_is_drawn_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let original = fs::read_to_string("layouts/keyboards/arrows.ron").unwrap();
+    let layout = super::file(&folder, "mine.ron", &original);
+    let setup = super::file(&folder, "setup.ron", "Setup()");
+    for path in [&layout, &setup] {
+        let show = ["layout", "show", &layout, "--setup", &setup];
+        let refused = run([&show[..], &["--svg", path, "--overwrite"]].concat());
+        assert_eq!(refused.code, Some(2), "{}", refused.err);
+        assert!(
+            refused.err.contains("is read by this command"),
+            "{}",
+            refused.err
+        );
+    }
+    assert_eq!(fs::read_to_string(&layout).unwrap(), original);
+}
+
+#[cfg(unix)]
+#[test]
+fn no_part_of_a_picture_is_left_on_a_full_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.svg");
+    let show = ["layout", "show", "qwerty-flat", "--svg", text(&path)];
+    let full = super::lab::run_with_small_files(&show);
+    assert_eq!(full.code, Some(2), "{}", full.err);
+    assert!(full.err.contains("board.svg"), "{}", full.err);
+    assert!(!path.exists(), "a part of the picture is left");
+}
+
+#[test]
 fn a_setup_chooses_the_hand_that_is_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let setup = super::file(

@@ -19,16 +19,23 @@ pub fn check(written: &[&Path], read: &[PathBuf]) -> Result<(), Failure> {
         }
         check_folder(path)?;
         files::check_destination(path).map_err(|error| Failure::cannot_write(path, error))?;
-        if read.iter().any(|it| is_same_file(path, it)) {
-            return Err(Failure::wrong_use(format!(
-                "{name} is read by this command and is not overwritten; name another file"
-            )));
-        }
+        check_not_read(path, read)?;
         if written[..index].iter().any(|it| is_same_file(path, it)) {
             return Err(Failure::wrong_use(format!(
                 "{name} is named for two results; name another file"
             )));
         }
+    }
+    Ok(())
+}
+
+/// Refuses a file that the command reads.
+pub fn check_not_read(path: &Path, read: &[PathBuf]) -> Result<(), Failure> {
+    if read.iter().any(|it| is_same_file(path, it)) {
+        let name = escape_path(path);
+        return Err(Failure::wrong_use(format!(
+            "{name} is read by this command and is not overwritten; name another file"
+        )));
     }
     Ok(())
 }

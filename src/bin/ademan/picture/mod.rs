@@ -16,7 +16,7 @@ use ademan::setup::{ArmSetup, LoadedSetup, Setup};
 
 use crate::failure::Failure;
 use crate::view::look::Look;
-use crate::{complete, lab, layout_check};
+use crate::{complete, lab, layout_check, result_files};
 
 /// Examples of the command.
 pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan layout show qwerty-arc --svg board.svg\n  ademan layout show qwerty-arc --hand 165,230 --svg small.svg\n  ademan layout show qwerty-arc --pdf board.pdf\n  ademan layout show media --html media.html --overwrite\n  ademan layout show game --svg - > game.svg\n  ademan layout show game --json - | jq .boards\n  ademan layout show qwerty-flat --heat result.json --svg missed.svg";
@@ -114,6 +114,8 @@ pub fn show(args: &Args) -> Result<(), Failure> {
         },
         &|| Ok(json::from_layout(layout).into_bytes()),
     ];
+    let mut read: Vec<PathBuf> = document.path.iter().chain(&args.heat).cloned().collect();
+    read.extend(args.setup.iter().map(PathBuf::from));
     let named: Vec<&PathBuf> = targets.into_iter().flatten().collect();
     for (index, path) in named.iter().enumerate() {
         if named[..index].contains(path) {
@@ -123,6 +125,9 @@ pub fn show(args: &Args) -> Result<(), Failure> {
             )));
         }
         refuse_existing(path, args.overwrite)?;
+        if !is_standard_output(path) {
+            result_files::check_not_read(path, &read)?;
+        }
     }
     for (target, draw) in targets.into_iter().zip(drawers) {
         if let Some(path) = target {
@@ -221,7 +226,7 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
     let written = if overwrite {
         files::replace(path, picture)
     } else {
-        files::create_new(path).and_then(|mut file| Ok(file.write_all(picture)?))
+        write_new(path, picture)
     };
     written.map_err(|error| match error {
         FileError::Exists => exists(path),
@@ -233,6 +238,16 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
     })?;
     say!("wrote {}", escape_path(path));
     Ok(())
+}
+
+/// Writes a file that does not exist yet. A part of it is removed: it is in the way of the next try.
+fn write_new(path: &Path, picture: &[u8]) -> Result<(), FileError> {
+    let mut file = files::create_new(path)?;
+    let written = file.write_all(picture);
+    if written.is_err() {
+        let _ = fs::remove_file(path);
+    }
+    Ok(written?)
 }
 
 fn exists(path: &Path) -> Failure {
