@@ -47,7 +47,7 @@ impl Trials {
             let cannot = |error: String| {
                 let path = escape_path(&path);
                 Failure::wrong_use(format!(
-                    "cannot read the trial {path}: {error}; move it to another folder to go on without it"
+                    "cannot read the trial {path}: {error}; move it and the recording beside it to another folder to go on without them, as the next trial may have their number"
                 ))
             };
             let text = outputs::read_text(&path).map_err(cannot)?;
@@ -123,7 +123,7 @@ impl Trials {
         };
         written.map_err(|error| {
             Failure::job(format!(
-                "cannot keep the trial {}: {error}; its recording stays beside it, and the command again repeats the task",
+                "cannot keep the trial {}: {error}; the command again repeats the task, and replaces the recording beside it",
                 escape_path(&path)
             ))
         })?;
@@ -135,6 +135,26 @@ impl Trials {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_damaged_trial_is_named_with_the_recording_that_the_next_one_would_replace() {
+        let study = tempfile::tempdir().unwrap();
+        Trials::read(study.path()).unwrap();
+        fs::write(study.path().join("trials/P01-0000.json"), "{").unwrap();
+        let Err(failure) = Trials::read(study.path()) else {
+            panic!("a damaged trial is read");
+        };
+        let refused = failure.to_string();
+        for words in ["P01-0000.json", "move it and the recording beside it"] {
+            assert!(refused.contains(words), "{refused}");
+        }
+        let empty = Trials {
+            folder: study.path().join(FOLDER),
+            all: Vec::new(),
+        };
+        let next = empty.recording("P01", empty.next_order("P01"));
+        assert_eq!(next.file_name().unwrap(), "P01-0000.mcap");
+    }
 
     #[test]
     fn practice_that_is_added_later_does_not_change_the_order_of_the_layouts() {
