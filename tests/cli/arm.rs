@@ -352,6 +352,24 @@ fn comma_separated_values_have_a_column_for_each_number() {
     );
 }
 
+#[test]
+fn results_of_mediapipe_for_javascript_are_read_in_world_coordinates() {
+    let case = &vectors()[0];
+    let folder = tempfile::tempdir().unwrap();
+    let rows = case["half_pose"].as_array().unwrap();
+    let points = rows.iter();
+    let points = points.map(|row| json!({"x": row[0], "y": row[1], "z": row[2]}));
+    let person = points.collect::<Vec<Value>>();
+    let result = json!({"landmarks": [[{"x": 0.0}]], "worldLandmarks": [person]});
+    let nobody = json!({"landmarks": [], "worldLandmarks": []});
+    let plain = file(&folder, "plain.json", case["half_pose"].to_string());
+    let lines_of = file(&folder, "results.jsonl", format!("{result}\n{nobody}\n"));
+    let expected = run(["arm", "attributes", &plain]).done();
+    let printed = run(["arm", "attributes", &lines_of]).done();
+    assert_eq!(printed.out, expected.out);
+    assert!(printed.err.contains("1 of 2 lines"), "{}", printed.err);
+}
+
 /// Returns a line of landmarks of a person whose left wrist is at `wrist`, and whose left hand is hidden.
 fn left_arm(wrist: [f64; 3]) -> Value {
     json!([

@@ -22,8 +22,15 @@ const FIRST_ROW: usize = 11;
 /// The longest line, in bytes.
 const MAX_LINE_BYTES: u64 = 1 << 16;
 
-/// The fields that hold landmarks, in world coordinates or normalised.
-const LANDMARK_FIELDS: [&str; 3] = ["pose_world_landmarks", "body_landmarks", "pose_landmarks"];
+/// The fields that hold landmarks, in world coordinates before normalised ones. The names in camel case are those of MediaPipe for
+/// JavaScript.
+const LANDMARK_FIELDS: [&str; 5] = [
+    "pose_world_landmarks",
+    "worldLandmarks",
+    "body_landmarks",
+    "pose_landmarks",
+    "landmarks",
+];
 
 /// A pose of a file.
 pub struct Pose {
