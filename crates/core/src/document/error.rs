@@ -147,12 +147,14 @@ impl DocumentError {
         self.listed.first()?.column()
     }
 
-    /// Leaves the lines of the file out, for a file of what a person has typed.
+    /// Leaves out the lines of the file and the texts that messages quote, for a file of what a person has typed.
     #[must_use]
     pub fn without_excerpts(mut self) -> Self {
-        let positions = self.listed.iter_mut();
-        for position in positions.filter_map(|error| error.position.as_mut()) {
-            position.source = None;
+        for error in &mut self.listed {
+            error.message = without_quoted_text(&error.message);
+            if let Some(position) = &mut error.position {
+                position.source = None;
+            }
         }
         self
     }
@@ -271,6 +273,18 @@ impl TextPosition {
     }
 }
 
+/// Returns a message with `"…"` in place of the text that it quotes.
+fn without_quoted_text(message: &str) -> String {
+    let quoted = message.split_once("`\"").and_then(|(before, rest)| {
+        let (_, after) = rest.rsplit_once("\"`")?;
+        Some((before, after))
+    });
+    quoted.map_or_else(
+        || message.to_owned(),
+        |(before, after)| format!("{before}`\"…\"`{after}"),
+    )
+}
+
 fn line_and_column(position: &Option<TextPosition>) -> String {
     match position {
         Some(TextPosition { line, column, .. }) => format!(":{line}:{column}"),
@@ -337,6 +351,9 @@ mod tests {
         let error = DocumentError::at("me.ron", text, 17..22, "expected a comma");
         let shown = error.without_excerpts().to_string();
         assert_eq!(shown, "me.ron:2:9: expected a comma");
+        let quoting = DocumentError::at("me.ron", text, 17..22, "expected `\"Ana\"` in `words`");
+        let unquoted = quoting.without_excerpts().to_string();
+        assert_eq!(unquoted, "me.ron:2:9: expected `\"…\"` in `words`");
     }
 
     #[test]
