@@ -189,8 +189,8 @@ fn differences(measures: &[Measure], pairs: &[(&PersonScore, &PersonScore)]) -> 
             measure.of(&after) - measure.of(&before)
         }),
     };
-    // Tasks that nobody does have no time, and would be the fastest ones. The time is the last measure of a list, so that the others of a
-    // group keep their places.
+    // Without a task that is done there is no time, and 0 s would be the fastest. The time is the last measure of a list, so that the
+    // others of a group keep their places.
     let has_times = pairs.iter().any(|(before, _)| before.tasks()[1] > 0.0)
         && pairs.iter().any(|(_, after)| after.tasks()[1] > 0.0);
     let is_known = |measure: &&Measure| has_times || **measure != Measure::TaskSeconds;

@@ -6,7 +6,7 @@
 //! widths, and a word costs the more the rarer it is, on a logarithmic scale from 0 to 1. The code is not taken over.
 //!
 //! Left out are what the published table does not have: cheaper and dearer variants for first, last and doubled letters, the costs of
-//! neighboring keys (here a letter costs its distance or a substitution, whichever is less), the sweet spots of keys, surplus
+//! neighboring keys (here a letter costs its distance or a substitution, the lesser of both), the sweet spots of keys, surplus
 //! spaces, completions, pairs of words, and the threshold below which the typed word stays. As with the other competitors, the
 //! best word is always taken.
 
