@@ -237,10 +237,11 @@ impl StreamFormat {
         (self.protocol.encoder)(&self.options, plan)
     }
 
-    /// Returns the format of a stream that shows `side`. It differs only if the protocol has an option for the hand.
+    /// Returns the format of a stream that shows `side`. It differs only if the protocol has an option for the hand, and another value
+    /// of it.
     #[must_use]
     pub fn for_hand(mut self, side: Side) -> Self {
-        if self.hand().is_some() {
+        if self.hand().is_some_and(|shown| shown != side) {
             let set = self.options.set(&space::HAND, side.name());
             set.expect("every side is a hand");
         }
@@ -298,10 +299,10 @@ impl StreamFormat {
 }
 
 impl fmt::Display for StreamFormat {
-    /// Writes the options of a source URI that give this format, with the leading `?`.
+    /// Writes the options of a source URI that give this format, with the leading `?`, and a default if it was stated.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "?protocol={}", self.protocol.name)?;
-        for (name, value) in self.options.deviating() {
+        for StatedOption { name, value, .. } in &self.options.0 {
             write!(f, "&{name}={value}")?;
         }
         match self.baud {

@@ -41,6 +41,19 @@ fn a_stream_of_one_hand_shows_the_hand_of_the_setup_unless_it_states_one() {
 }
 
 #[test]
+fn a_default_that_is_stated_is_written_again() {
+    for text in [
+        "file:glove.txt?protocol=lucidgloves&max=4095&baud=115200",
+        "udp:127.0.0.1:9000?protocol=markers&hand=right",
+        "udp:127.0.0.1:9000?protocol=markers",
+        "tcp:glove.local:4001?protocol=hc11&baud=9600",
+    ] {
+        let uri: SourceUri = text.parse().unwrap();
+        assert_eq!(uri.to_string(), text);
+    }
+}
+
+#[test]
 fn every_kind_of_source_has_a_uri() {
     let default = Hc11Format::default();
     let slow = hc11(Framing::Double06, 9600);

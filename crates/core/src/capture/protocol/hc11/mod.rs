@@ -166,9 +166,11 @@ impl Hc11Format {
 impl From<Hc11Format> for StreamFormat {
     fn from(format: Hc11Format) -> Self {
         let mut options = ProtocolOptions::default();
-        options
-            .set(&FRAMING, format.framing.name())
-            .expect("it is the name of a framing");
+        let framing = format.framing.name();
+        if framing != FRAMING.default {
+            let set = options.set(&FRAMING, framing);
+            set.expect("it is the name of a framing");
+        }
         Self {
             protocol: &PROTOCOL,
             options,
