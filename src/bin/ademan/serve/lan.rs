@@ -5,6 +5,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::thread;
 
+use ademan::capture::transport::written_path;
 use ademan::message::{escape, shell_word};
 use ademan::network::check_listen_address;
 use ademan::session::control_socket::Client;
@@ -33,19 +34,16 @@ pub fn run(
     // Before there is a token, and its link is shown.
     RootArgs { allow_root }.check(true)?;
     let layout = link::trusted(session.layout.clone(), session.trust)?;
-    let folder = folder.to_string_lossy();
-    for name in [&*folder, layout.as_str()] {
-        if name.contains(['&', '?']) {
-            return Err(Failure::wrong_use(format!(
-                "`{}` has an `&` or `?` in its name, which separate the options of a source; rename it",
-                escape(name)
-            )));
-        }
-    }
-    let source = format!("headset:{address}?page={folder}&layout={layout}");
+    let source = page_source(address, &folder.to_string_lossy(), &layout);
     show(&headset_link::link(&address.to_string())?);
     ask_for_consent(session.control.clone());
     run::run(run_args(&source, &layout, session)?)
+}
+
+/// Returns the source that serves the page of a folder, which shows this layout.
+fn page_source(address: SocketAddr, folder: &str, layout: &str) -> String {
+    let [page, shown] = [folder, layout].map(written_path);
+    format!("headset:{address}?page={page}&layout={shown}")
 }
 
 /// Returns the arguments of `ademan run`.
@@ -178,6 +176,15 @@ fn allow_keys(control: Option<PathBuf>) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_page_and_the_layout_of_the_source_have_any_name() {
+        let address = SocketAddr::from(([127, 0, 0, 1], 8443));
+        assert_eq!(
+            page_source(address, "/a%26b/web", "x&y.ron"),
+            "headset:127.0.0.1:8443?page=/a%2526b/web&layout=x%26y.ron"
+        );
+    }
 
     #[test]
     fn the_way_to_press_keys_is_one_that_the_control_socket_permits() {

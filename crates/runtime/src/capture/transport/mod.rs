@@ -190,8 +190,8 @@ impl fmt::Display for StreamUri {
     }
 }
 
-/// Returns a path as the value of an option. The characters that separate options are escaped as in links.
-fn written_path(path: &str) -> String {
+/// Returns a path as the value of an option, such as `page`. The characters that separate options are escaped as in links.
+pub fn written_path(path: &str) -> String {
     let escaped = path.replace('%', "%25");
     escaped.replace('&', "%26").replace('?', "%3F")
 }
