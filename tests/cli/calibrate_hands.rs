@@ -13,12 +13,12 @@ use tempfile::TempDir;
 use crate::ademan;
 use crate::calibrate::{calibrate, ended, folder, read, take_poses, write_readings};
 
-/// Calibrates a simulated person in a folder with this setup of every run.
+/// Calibrates in a folder with this setup of every run.
 fn calibrate_beside(setup: &str, folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
     let config = folder.path().join("config");
     fs::create_dir_all(config.join("ademan")).expect("a folder");
     fs::write(config.join("ademan/setup.ron"), setup).expect("a file");
-    let mut command = ademan(["calibrate", "--demo"]);
+    let mut command = ademan(["calibrate"]);
     command.args(arguments).env("XDG_CONFIG_HOME", config);
     ended(folder, &mut command)
 }
@@ -27,7 +27,7 @@ fn calibrate_beside(setup: &str, folder: &TempDir, arguments: &[&str]) -> (i32, 
 fn the_glove_of_the_other_hand_of_a_setup_is_calibrated() {
     let folder = folder();
     let setup = "Setup(glove: \"unam-hc11\", other_hand: (glove: \"unam-hc11-left\"))";
-    let arguments = ["--glove", "unam-hc11-left", "--out", "mine"];
+    let arguments = ["--demo", "--glove", "unam-hc11-left", "--out", "mine"];
     let (code, _, errors) = calibrate_beside(setup, &folder, &arguments);
     assert_eq!(code, 0, "{errors}");
     let glove = Glove::parse(&Document::new("mine.ron", read(&folder, "mine.ron")));
@@ -35,10 +35,27 @@ fn the_glove_of_the_other_hand_of_a_setup_is_calibrated() {
 }
 
 #[test]
+fn the_glove_of_the_other_hand_is_calibrated_with_the_source_of_that_hand() {
+    let folder = folder();
+    let setup = "Setup(source: \"file:first.bin?protocol=hc11\", glove: \"unam-hc11\", \
+                 other_hand: (source: \"file:second.bin?protocol=hc11\", glove: \"unam-hc11-left\"))";
+    for (glove, own, other) in [
+        ("unam-hc11", "first.bin", "second.bin"),
+        ("unam-hc11-left", "second.bin", "first.bin"),
+    ] {
+        let arguments = ["--glove", glove, "--out", "mine"];
+        let (_, _, errors) = calibrate_beside(setup, &folder, &arguments);
+        // There are no such files.
+        assert!(errors.contains(own), "{errors}");
+        assert!(!errors.contains(other), "{errors}");
+    }
+}
+
+#[test]
 fn a_simulated_person_wears_a_glove_beside_a_setup_with_a_camera() {
     let folder = folder();
     let setup = "Setup(source: \"udp:127.0.0.1:9000?protocol=hand-landmarks\")";
-    let (code, out, errors) = calibrate_beside(setup, &folder, &["--out", "mine"]);
+    let (code, out, errors) = calibrate_beside(setup, &folder, &["--demo", "--out", "mine"]);
     assert_eq!(code, 0, "{errors}");
     assert!(out.contains("wrote mine.ron"), "{out}");
 }

@@ -19,10 +19,11 @@ use std::time::Duration;
 use ademan::calibrate::{self, CalibrationError, Observations, Procedure};
 use ademan::capture::SourceUri;
 use ademan::document::Document;
+use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::{self, Glove};
 use ademan::message::{escape_path, shell_word};
-use ademan::setup::LoadedSetup;
+use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::{HomeMadeGlove, SimulatedWearer};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -123,20 +124,38 @@ impl Args {
             Side::Left => "lucidgloves-left".to_owned(),
             Side::Right => "lucidgloves".to_owned(),
         });
-        let flags = SetupArgs::for_glove(
-            self.source.clone(),
-            self.glove.clone().or(worn),
-            self.person.clone(),
-        );
+        let flags = SetupArgs::for_glove(self.source.clone(), None, self.person.clone());
         let mut setup = flags.read_setup(self.setup.as_deref())?;
         // The glove that is calibrated may have no ranges yet, and may be for the other hand of the setup.
         setup.learn_ranges = false;
+        let is_live = self.from.is_none() && self.hysteresis.is_none() && self.demo.is_none();
+        if is_live
+            && self.source.is_none()
+            && let Some(glove) = &self.glove
+        {
+            setup.source = source_of(glove, &setup)?;
+        }
+        setup.glove = self.glove.clone().or(worn).or(setup.glove);
         setup.other_hand = None;
         if self.demo.is_some() {
             // The simulated person wears a glove, also beside a setup with a camera.
             setup.source = setup.source.filter(SourceUri::needs_glove);
         }
         Ok(setup.load_files()?)
+    }
+}
+
+/// Returns the source of a setup for a glove, which may be for the other hand.
+fn source_of(glove: &str, setup: &Setup) -> Result<Option<SourceUri>, Failure> {
+    let second = setup.other_hand.as_ref();
+    let Some(second_source) = second.and_then(|hand| hand.source.clone()) else {
+        return Ok(setup.source.clone());
+    };
+    let first_side = setup.clone().load_files()?.arm.side();
+    if Glove::load(glove)?.side == first_side {
+        Ok(setup.source.clone())
+    } else {
+        Ok(Some(second_source))
     }
 }
 
