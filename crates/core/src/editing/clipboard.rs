@@ -260,6 +260,10 @@ fn paste_entries(
     let Some(present) = present else {
         return draft.set(Part::Layout, map, &format!("{{{}}}", added.join(", ")));
     };
+    if present.items().is_empty() {
+        // Without an entry before them, they would have no commas.
+        added = vec![added.join(", ")];
+    }
     for entry in &added {
         draft.push_entry(&present, entry);
     }
@@ -396,6 +400,18 @@ mod tests {
             assert!(pasted.contains(labels), "{labels}: {pasted}");
             assert!(pasted.contains(signals), "{signals}: {pasted}");
         }
+    }
+
+    #[test]
+    fn controls_that_are_cut_are_pasted_with_all_of_their_labels() {
+        let own = "labels: {\"A\": \"x\", \"B\": \"y\"}";
+        let boards = "boards: [(rows: [(at_mm: (0, 0), keys: \"A B\")])]";
+        let row = Part::Row { board: 0, row: 0 };
+        let clipboard = copied(&format!("({boards}, {own})"), &[row]).unwrap();
+        // A cut leaves the map without entries.
+        let mut draft = Draft::new("(boards: [(travel_mm: 3)], labels: {})").unwrap();
+        paste(&mut draft, 0, &clipboard, [0.0, 0.0]).unwrap();
+        assert!(draft.text().contains(own), "{}", draft.text());
     }
 
     #[test]
