@@ -67,15 +67,25 @@ pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
         lists = clipboard_parts::lists(draft, parts).ok()?;
     }
     let lists: Vec<String> = lists.into_iter().map(in_lines).collect();
-    // The names of 10 000 keys take long.
-    let is_mentioned = MAPS.map(|map| draft.field(Part::Layout, map).is_some());
-    let names = if is_mentioned.contains(&true) {
-        signal_names(draft, &targets_in(draft, parts))
-    } else {
-        BTreeSet::new()
-    };
+    let names = mentioned_names(draft, parts);
     let maps = MAPS.map(|map| entries(draft, map, &names));
     (!lists.is_empty()).then(|| format!("(\n{}{})", lists.concat(), maps.concat()))
+}
+
+/// Returns the names of the targets in parts that are copied, and of their values; empty without a map that may have entries for them.
+fn mentioned_names(draft: &Draft, parts: &[Part]) -> BTreeSet<String> {
+    // The names of 10 000 keys take long.
+    let is_mentioned = MAPS.map(|map| draft.field(Part::Layout, map).is_some());
+    if !is_mentioned.contains(&true) {
+        return BTreeSet::new();
+    }
+    // An option is copied with its group.
+    let whole = parts.iter().map(|part| match part {
+        Part::RadioOption { .. } => part.parent().unwrap_or(*part),
+        _ => *part,
+    });
+    let whole: Vec<Part> = whole.collect();
+    signal_names(draft, &targets_in(draft, &whole))
 }
 
 /// Returns a list as a field in lines of its own.
@@ -412,6 +422,20 @@ mod tests {
         let mut draft = Draft::new("(boards: [(travel_mm: 3)], labels: {})").unwrap();
         paste(&mut draft, 0, &clipboard, [0.0, 0.0]).unwrap();
         assert!(draft.text().contains(own), "{}", draft.text());
+    }
+
+    #[test]
+    fn a_radio_group_has_the_signals_of_all_options_if_one_is_copied() {
+        let signals = "signals: {\"one\": (control: 7), \"two\": (control: 8)}";
+        let options = "(name: \"one\", at_mm: (0, 0)), (name: \"two\", at_mm: (40, 0))";
+        let boards = format!("boards: [(radios: [(name: \"R\", options: [{options}])])]");
+        let option = Part::RadioOption {
+            board: 0,
+            radio: 0,
+            option: 1,
+        };
+        let clipboard = copied(&format!("({boards}, {signals})"), &[option]).unwrap();
+        assert!(clipboard.contains(signals), "{clipboard}");
     }
 
     #[test]
