@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::draft::Draft;
-use super::duplicate::{Names, copied_board, copy};
+use super::duplicate::{Names, check_bent, copied_board, copy};
 use super::error::EditError;
 use super::geometry::without_children;
 use super::part::Part;
@@ -98,7 +98,10 @@ pub(super) fn paste(
         for index in 0..source.count(Part::Layout, list) {
             let (own, new) = (part(index), first + index);
             texts.push(match own {
-                Part::Board(board) => copied_board(source, names, board, by_mm)?,
+                Part::Board(board) => {
+                    check_bent(draft, source, board)?;
+                    copied_board(source, names, board, by_mm)?
+                }
                 Part::Space(space) => copied_space(source, names, space, by_mm)?,
                 _ => copy(source, names, own, by_mm)?,
             });
@@ -211,6 +214,25 @@ mod tests {
         ] {
             assert!(edited.text.contains(own), "{own}: {}", edited.text);
         }
+    }
+
+    #[test]
+    fn a_board_of_bent_fingers_is_pasted_once_for_each_hand() {
+        let bent = "(contact: Bend, pose: (anchor: wrist), hand: \"right\", \
+                    keys: [(code: \"A\", finger: \"index\", at_mm: (0, 0))])";
+        let layout = format!("Layout(name: \"a\", boards: [{bent}])");
+        let text = copied(&layout, &[Part::Board(0)]).unwrap();
+        let paste = Edit::Paste {
+            board: 0,
+            text,
+            by_mm: [0.0, 0.0],
+        };
+        let left = layout.replace("right", "left");
+        for (to, boards) in [("Layout(name: \"a\", boards: [])", 1), (&left, 2)] {
+            let edited = edit(to, &paste).unwrap();
+            assert_eq!(edited.text.matches("contact: Bend").count(), boards);
+        }
+        assert!(edit(&layout, &paste).is_err(), "the hand has such a board");
     }
 
     #[test]

@@ -88,6 +88,7 @@ pub(super) fn duplicate(
                 (parent, list, vec![copy(draft, &mut names, part, by_mm)?])
             }
             Part::Board(board) => {
+                check_bent(draft, draft, board)?;
                 let board = copied_board(draft, &mut names, board, by_mm)?;
                 (Part::Layout, "boards", vec![board])
             }
@@ -182,6 +183,24 @@ fn in_list(part: Part, index: usize) -> Part {
 /// Why a board whose keys are pressed by bending has no copy, and what does the same.
 const BENT_REMEDY: &str = " while its keys are pressed by bending: a finger presses one key; add a layer or chords for more keys";
 
+/// Returns an error for a copy of a board of `source` whose keys are pressed by bending, if `draft` has such a board for the same
+/// hand.
+pub(super) fn check_bent(draft: &Draft, source: &Draft, board: usize) -> Result<(), EditError> {
+    let field = |of: &Draft, index: usize, name: &str| {
+        let node = of.field(Part::Board(index), name)?;
+        Some(node.text(of.text()).to_owned())
+    };
+    let is_bent = |of: &Draft, index: usize| field(of, index, "contact").as_deref() == Some("Bend");
+    let hand = field(source, board, "hand");
+    let mut others = 0..draft.count(Part::Layout, "boards");
+    let has_same = is_bent(source, board)
+        && others.any(|index| is_bent(draft, index) && field(draft, index, "hand") == hand);
+    if has_same {
+        return Err(unsupported(Part::Board(board), "duplicated", BENT_REMEDY));
+    }
+    Ok(())
+}
+
 /// Returns the text of a board whose controls have new names and whose rows are single keys, at an offset along the axes of the
 /// world.
 pub(super) fn copied_board(
@@ -191,12 +210,6 @@ pub(super) fn copied_board(
     [right, forward]: [f64; 2],
 ) -> Result<String, EditError> {
     let text = draft.text_of(draft.node(Part::Board(board))?);
-    let is_bent = draft
-        .field(Part::Board(board), "contact")
-        .is_some_and(|contact| contact.text(draft.text()) == "Bend");
-    if is_bent {
-        return Err(unsupported(Part::Board(board), "duplicated", BENT_REMEDY));
-    }
     let mut own = Draft::new(&format!("(boards: [{text}])"))?;
     let copy = Part::Board(0);
     let targets = targets(own.text(), own.tree());
