@@ -311,6 +311,21 @@ fn a_file_that_is_dropped_is_opened_in_place_of_one_that_is_missing() {
     assert!(window.has(dropped.0.to_str().expect("a readable path")));
 }
 
+#[test]
+fn a_dropped_file_that_cannot_be_opened_stays_named_while_another_one_is_missing() {
+    let file = EditedFile::new("missing.ron", TWO_KEYS);
+    let name = file.0.to_str().expect("a readable path");
+    let mut window = Opening::on_layout(name).open();
+    fs::remove_file(&file.0).expect("the file");
+    window.click(text("workspace-layout"));
+    drop_file(&mut window, &file.0.with_file_name("absent.ron"));
+    assert!(window.has(text("editor-cannot-open")));
+    window.draw_until("another look at the first file", |shown| {
+        shown.has_words("missing.ron")
+    });
+    assert!(window.has_words("absent.ron"));
+}
+
 /// Runs the command of the palette that these words find.
 fn run_command(window: &mut StudioWindow, words: &str) {
     press(window, egui::Modifiers::COMMAND, egui::Key::K);

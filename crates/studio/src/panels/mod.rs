@@ -388,7 +388,12 @@ fn open_layout(
             Some(file) => open(file),
             None => Err(error),
         });
-        state.editor = Some(opened.map_err(|it| it.to_string()));
+        let opened = opened.map_err(|it| it.to_string());
+        if let (Some(_), Err(reason)) = (&dropped, &opened) {
+            // In the editor, the next look at the layout of the session replaces it.
+            state.message = Some(reason.clone());
+        }
+        state.editor = Some(opened);
     }
     if let Some(Ok(editor)) = &mut state.editor
         && state.workspace == Workspace::Layout
