@@ -31,6 +31,9 @@ export async function correctWords(stages, choice, notify, open) {
     notify("");
   } catch (error) {
     if (!isMeant()) return;
+    // The decoder of another language may be in use.
+    if (isFull()) stages.setTextMode("literal");
+    element("candidates").hidden = true;
     notify(`words are not corrected: ${error.message}`);
     element("words").value = "";
   }

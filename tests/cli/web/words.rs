@@ -214,3 +214,22 @@ fn a_decoder_that_cannot_be_loaded_is_a_message_and_keys_type_on() {
     type_text(&mut browser, "thw ");
     browser.wait_for(LOOK, "the text", |seen| seen["typed"] == "thw ");
 }
+
+#[test]
+fn a_language_that_cannot_be_loaded_ends_the_corrections_in_another_one() {
+    let Some(page) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let folder = without(&page, "es.adm");
+    let (_server, address) = serve(folder.path());
+    open(&mut browser, &address);
+    choose(&mut browser, "auto en");
+    select(&mut browser, "words", "auto es");
+    let look = browser.wait_for(LOOK, "a message", |look| look["notice"] != "");
+    assert_eq!(look["notice"], "words are not corrected: es.adm: 404");
+    assert_eq!(look["chosen"], "");
+    type_text(&mut browser, "thw thw ");
+    let typed = browser.wait_for(LOOK, "the text", |seen| seen["typed"] == "thw thw ");
+    assert_eq!(typed["isHidden"], true);
+}
