@@ -5,7 +5,6 @@ const MARGIN_MM = 6;
 const GAP_MM = 14;
 
 const plan = document.getElementById("plan");
-let shown = [];
 let keys = new Map();
 let change = () => {};
 
@@ -16,7 +15,6 @@ export function onChange(changed) {
 
 /** Draws boards, and keeps the focus. */
 export function showPlan(boards) {
-  shown = boards;
   const focused = document.activeElement?.dataset?.name;
   keys = new Map();
   const svg = planPicture(boards, (group, face) => {
@@ -104,14 +102,16 @@ function prepare(group, face) {
     group.setPointerCapture(event.pointerId);
     group.classList.add("is-moved");
   });
-  const cancel = () => {
+  const cancel = ({ pointerId }) => {
     start = null;
-    showPlan(shown);
+    if (group.hasPointerCapture(pointerId)) group.releasePointerCapture(pointerId);
+    group.classList.remove("is-moved");
+    place([0, 0]);
   };
   group.addEventListener("pointermove", (event) => {
     if (!start) return;
     // A button that comes up over another tab is not reported.
-    if (event.pointerType === "mouse" && event.buttons === 0) cancel();
+    if (event.pointerType === "mouse" && event.buttons === 0) cancel(event);
     else place(offset(event));
   });
   group.addEventListener("pointercancel", cancel);

@@ -54,13 +54,20 @@ pub fn edit(browser: &mut Browser, expression: &str) {
     ));
 }
 
+/// The key of the plan that is dragged.
+const ENTER: &str = "document.querySelector('#plan [data-name=\"Enter\"]')";
+
+/// Returns the middle of this key on the screen.
+fn middle_of_enter(browser: &mut Browser) -> [f64; 2] {
+    let middle = format!(
+        "({ENTER}.scrollIntoView({{block: 'center'}}), (({{x, y, width, height}}) => [x + width / 2, y + height / 2])({ENTER}.getBoundingClientRect()))"
+    );
+    point(browser, &middle)
+}
+
 /// Drags a key by 20 pixels: only its numbers change. Takes it back at the end.
 fn drag_enter(browser: &mut Browser, before: &Value) {
-    let key = "document.querySelector('#plan [data-name=\"Enter\"]')";
-    let center = format!(
-        "(({key}).scrollIntoView({{block: 'center'}}), (({{x, y, width, height}}) => [x + width / 2, y + height / 2])(({key}).getBoundingClientRect()))"
-    );
-    let at = point(browser, &center);
+    let at = middle_of_enter(browser);
     mouse(browser, "mousePressed", at);
     mouse(browser, "mouseMoved", [at[0] + 10.0, at[1] + 5.0]);
     mouse(browser, "mouseMoved", [at[0] + 20.0, at[1] + 5.0]);
@@ -395,6 +402,30 @@ fn shortcuts_of_the_browser_change_neither_the_plan_nor_the_view() {
     let capital = "key: 'D', shiftKey: true";
     assert_eq!(press(&mut browser, plan_key, capital), false);
     browser.wait_for(LOOK, "a copy", |look| look["text"] != before["text"]);
+}
+
+#[test]
+fn a_drag_on_the_plan_whose_button_came_up_over_another_tab_is_cancelled() {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
+        return;
+    };
+    open(&mut browser, &address);
+    browser.evaluate(&format!(
+        "{{ globalThis.dragged = {ENTER}; globalThis.dragged.addEventListener('pointerdown', (it) => {{ globalThis.pointer = it.pointerId; }}); }}"
+    ));
+    let state = "[dragged.isConnected, ...['class', 'transform'].map((it) => dragged.getAttribute(it)), document.getElementById('editor').value]";
+    let at = middle_of_enter(&mut browser);
+    let before = browser.evaluate(state);
+    assert_eq!(before[0], true);
+    mouse(&mut browser, "mousePressed", at);
+    mouse(&mut browser, "mouseMoved", [at[0] + 20.0, at[1]]);
+    let moved = browser.evaluate(state);
+    assert_ne!(moved[2], before[2], "it follows the mouse");
+    browser.evaluate("dragged.dispatchEvent(new PointerEvent('pointermove', { pointerId: globalThis.pointer, pointerType: 'mouse' })); true");
+    // The element is the same one, so that the colours of a score stay.
+    assert_eq!(browser.evaluate(state), before);
+    mouse(&mut browser, "mouseReleased", at);
+    assert_eq!(browser.evaluate(state), before);
 }
 
 /// Sets the size of the window and the theme.
