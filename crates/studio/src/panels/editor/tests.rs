@@ -72,6 +72,7 @@ impl Window {
         let panel = EditorPanel::open(name, Fit::default(), Some(&work)).unwrap();
         let builder = Harness::builder().with_size(vec2(1200.0, height));
         let mut harness = builder.build_ui_state(show, panel);
+        harness.ctx.set_fonts(crate::fonts::fonts());
         harness.run_steps(3);
         Self {
             harness,
