@@ -22,6 +22,7 @@ mod status;
 mod table;
 mod toolbar;
 mod tour;
+mod zoom;
 
 use std::mem;
 use std::path::PathBuf;

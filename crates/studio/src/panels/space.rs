@@ -6,7 +6,7 @@ use eframe::egui::{
 };
 use parry3d::math::Vec2;
 
-use super::{PanelContext, PanelState, look};
+use super::{PanelContext, PanelState, look, zoom};
 use crate::camera::{CameraStep, Viewpoint};
 use crate::fingertip::Mouse;
 use crate::fonts::CAPITAL_HEIGHT;
@@ -81,9 +81,8 @@ pub(super) fn show(
     } else if response.dragged() {
         state.camera.pan(drag, extent.y);
     }
-    if response.hovered() {
-        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-        state.camera.zoom((-scroll * 0.002).exp() / pinch);
+    if response.hovered() && !has_button {
+        state.camera.zoom(1.0 / zoom::magnification(ui));
     }
     if has_focus || response.has_focus() {
         look::keep_arrow_keys(ui);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::egui::{self, Event, EventFilter, PointerButton, Sense, TouchPhase};
 use parry3d::math::Vec2;
 
-use super::super::{PanelContext, look, space};
+use super::super::{PanelContext, look, space, zoom};
 use super::{EditorPanel, palette, rounded, rulers};
 use crate::canvas::board::Fingertip;
 use crate::canvas::draw::{self, CanvasScene};
@@ -148,8 +148,7 @@ pub(super) fn move_view(
         viewport.pan(Vec2::new(drag.x, drag.y));
     }
     if let Some(at) = response.hover_pos() {
-        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-        viewport.zoom_at(to_local(at), size, (scroll * 0.002).exp() * pinch);
+        viewport.zoom_at(to_local(at), size, zoom::magnification(ui));
     }
 }
 
