@@ -58,7 +58,7 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     if path == Path::new(STDOUT) {
         return Ok(io::stdout().write_all(text.as_bytes())?);
     }
-    files::write_new_text(path, text).map_err(|error| Failure::cannot_write(path, error))
+    files::write_new(path, text.as_bytes()).map_err(|error| Failure::cannot_write(path, error))
 }
 
 /// Says what a new file is, and the commands that use it. Says nothing of the standard output, `-`.

@@ -149,7 +149,7 @@ fn install(name: &str, program: &Path) -> Result<(), Failure> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(|error| cannot_write(error.into()))?;
     }
-    files::write_new_text(&path, &text).map_err(cannot_write)?;
+    files::write_new(&path, text.as_bytes()).map_err(cannot_write)?;
     let mut out = io::stdout().lock();
     writeln!(out, "wrote {}", escape_path(&path))?;
     if found.name == "unit" {

@@ -20,7 +20,7 @@ pub use documents::{Load, OpenDocument};
 pub use lock::LockedFile;
 pub use replace::{
     check_destination, check_overwrite, replace, replace_private_text, replace_private_text_if,
-    replace_public_text, replace_text, replace_text_and_keep, replace_text_if, write_new_text,
+    replace_public_text, replace_text, replace_text_and_keep, replace_text_if, write_new,
 };
 pub use search::{own_gloves, own_layouts, own_persons};
 

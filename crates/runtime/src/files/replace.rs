@@ -76,11 +76,9 @@ pub fn replace_public_text(path: &Path, text: &str) -> Result<(), FileError> {
 }
 
 /// Writes a file of a new name with the usual permissions. Leaves none if the disk is full.
-pub fn write_new_text(path: &Path, text: &str) -> Result<(), FileError> {
+pub fn write_new(path: &Path, content: &[u8]) -> Result<(), FileError> {
     let mut file = create_new(path)?;
-    let written = file
-        .write_all(text.as_bytes())
-        .and_then(|()| file.sync_all());
+    let written = file.write_all(content).and_then(|()| file.sync_all());
     if written.is_err() {
         let _ = fs::remove_file(path);
     }

@@ -65,7 +65,7 @@ impl Destination {
         let written = if existed {
             files::replace_text_and_keep(&self.path, &self.backup(), text)
         } else {
-            files::write_new_text(&self.path, text)
+            files::write_new(&self.path, text.as_bytes())
         };
         written.map_err(|error| self.failure(&error))?;
         if !is_asked {

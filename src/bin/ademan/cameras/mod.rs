@@ -176,7 +176,7 @@ fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
         ))
     })?;
     let text = CamerasFile::new(&calibration.cameras).to_text(format);
-    files::write_new_text(&args.output, &text).map_err(|error| {
+    files::write_new(&args.output, text.as_bytes()).map_err(|error| {
         Failure::wrong_use(format!(
             "cannot create {}: {error}",
             escape_path(&args.output)

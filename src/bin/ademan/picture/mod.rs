@@ -226,7 +226,7 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
     let written = if overwrite {
         files::replace(path, picture)
     } else {
-        write_new(path, picture)
+        files::write_new(path, picture)
     };
     written.map_err(|error| match error {
         FileError::Exists => exists(path),
@@ -238,16 +238,6 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
     })?;
     say!("wrote {}", escape_path(path));
     Ok(())
-}
-
-/// Writes a file that does not exist yet. A part of it is removed: it is in the way of the next try.
-fn write_new(path: &Path, picture: &[u8]) -> Result<(), FileError> {
-    let mut file = files::create_new(path)?;
-    let written = file.write_all(picture);
-    if written.is_err() {
-        let _ = fs::remove_file(path);
-    }
-    Ok(written?)
 }
 
 fn exists(path: &Path) -> Failure {
