@@ -10,7 +10,7 @@ use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
-use ademan::text::{TextModeSetup, TextSetup};
+use ademan::text::{TextModeSchema, TextSetup};
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
@@ -172,7 +172,7 @@ impl FuzzSetup {
             arm_immediately: plan.armed,
             // The decoder of a layout without letters is none.
             text: Some(TextSetup {
-                mode: Some(TextModeSetup::Auto),
+                mode: Some(TextModeSchema::Auto),
                 ..TextSetup::default()
             }),
             ..Setup::default()

@@ -23,7 +23,7 @@ use ademan::layout::Layout as Keys;
 use ademan::pipeline::{LayoutInstance, Pipeline, PipelineState, SourceRole};
 use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::{LoadedSetup, Setup};
-use ademan::text::{TextModeSetup, TextSetup};
+use ademan::text::{TextModeSchema, TextSetup};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
@@ -428,7 +428,7 @@ fn a_layout_change_neither_allocates_nor_frees_in_the_loop() {
 fn corrections_and_candidates_do_not_allocate() {
     let setup = Setup {
         text: Some(TextSetup {
-            mode: Some(TextModeSetup::Auto),
+            mode: Some(TextModeSchema::Auto),
             ..TextSetup::default()
         }),
         ..Setup::default()

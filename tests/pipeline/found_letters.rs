@@ -5,7 +5,7 @@ use std::num::NonZeroU32;
 use ademan::capture::Hc11Format;
 use ademan::command::CommandOrigin;
 use ademan::setup::Setup;
-use ademan::text::{TextModeSetup, TextSetup};
+use ademan::text::{TextModeSchema, TextSetup};
 
 use super::swipes::setup;
 use super::text::{Typed, play};
@@ -17,7 +17,7 @@ fn line(baud: u32) -> Hc11Format {
     }
 }
 
-fn types(mode: TextModeSetup, text: &str, format: &Hc11Format) -> String {
+fn types(mode: TextModeSchema, text: &str, format: &Hc11Format) -> String {
     let setup = setup("phone-pad", Some(mode));
     let typist = setup.typist(text, format, 0.0, 0).expect("a text");
     play(&setup, typist, |_, _, _| {}).text
@@ -34,10 +34,10 @@ fn performs(script: &str) -> String {
 fn one_tap_is_one_letter_however_fast_the_taps_follow() {
     let text = "the cab is at home ";
     for baud in [9_600, 115_200] {
-        assert_eq!(types(TextModeSetup::Auto, text, &line(baud)), text);
+        assert_eq!(types(TextModeSchema::Auto, text, &line(baud)), text);
     }
     // Nothing is replaced before a candidate is taken.
-    let first_letters = types(TextModeSetup::Suggest, text, &line(115_200));
+    let first_letters = types(TextModeSchema::Suggest, text, &line(115_200));
     assert_eq!(first_letters, "tgd aaa gp at gmmd ");
 }
 
@@ -46,7 +46,7 @@ fn a_word_with_an_accent_is_found_where_the_output_has_none() {
     let setup = Setup {
         layout: "phone-pad".into(),
         text: Some(TextSetup {
-            mode: Some(TextModeSetup::Auto),
+            mode: Some(TextModeSchema::Auto),
             language: "es".into(),
             ..TextSetup::default()
         }),
@@ -63,7 +63,7 @@ fn a_word_with_an_accent_is_found_where_the_output_has_none() {
 #[test]
 fn keys_with_signs_choose_by_taps_in_a_row() {
     let text = "hello, moon. ";
-    assert_eq!(types(TextModeSetup::Auto, text, &line(115_200)), text);
+    assert_eq!(types(TextModeSchema::Auto, text, &line(115_200)), text);
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn a_candidate_takes_the_place_of_a_word() {
 
 #[test]
 fn behind_text_that_is_not_known_taps_in_a_row_choose() {
-    let setup = setup("phone-words", Some(TextModeSetup::Auto));
+    let setup = setup("phone-words", Some(TextModeSchema::Auto));
     let script = "tap 4; tap 3; wait 3000; tap 2; tap 2; tap 2";
     let hand = setup.scripted(script, &line(115_200), 0.0, 0);
     let mut is_paused = false;

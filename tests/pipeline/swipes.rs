@@ -5,13 +5,13 @@ use std::ops::Range;
 use ademan::capture::{CaptureError, Channels, Hc11Format, Sample, Source, SourceEvent};
 use ademan::hand::Finger;
 use ademan::setup::{LoadedSetup, Setup};
-use ademan::text::{TextModeSetup, TextSetup};
+use ademan::text::{TextModeSchema, TextSetup};
 use ademan::time::Timestamp;
 
 use super::text::{Typed, play};
 
 /// Loads a shipped layout, with a text decoder in this mode.
-pub fn setup(layout: &str, mode: Option<TextModeSetup>) -> LoadedSetup {
+pub fn setup(layout: &str, mode: Option<TextModeSchema>) -> LoadedSetup {
     let setup = Setup {
         layout: layout.into(),
         text: mode.map(|mode| TextSetup {
@@ -23,13 +23,13 @@ pub fn setup(layout: &str, mode: Option<TextModeSetup>) -> LoadedSetup {
     setup.load_files().expect("the shipped layout")
 }
 
-fn performs(layout: &str, mode: Option<TextModeSetup>, script: &str) -> Typed {
+fn performs(layout: &str, mode: Option<TextModeSchema>, script: &str) -> Typed {
     let setup = setup(layout, mode);
     let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
     play(&setup, hand.expect("a script"), |_, _, _| {})
 }
 
-fn types(layout: &str, mode: TextModeSetup, text: &str, noise: f64, seed: u64) -> Typed {
+fn types(layout: &str, mode: TextModeSchema, text: &str, noise: f64, seed: u64) -> Typed {
     let setup = setup(layout, Some(mode));
     let hand = setup.typist(text, &Hc11Format::default(), noise, seed);
     play(&setup, hand.expect("a text"), |_, _, _| {})
@@ -39,13 +39,13 @@ const QUICK: &str = "press Q; slide 114 0; slide 19 0; slide -80.75 -38; slide 8
 
 #[test]
 fn a_swiped_word_is_typed_when_the_finger_is_lifted() {
-    for mode in [TextModeSetup::Suggest, TextModeSetup::Auto] {
+    for mode in [TextModeSchema::Suggest, TextModeSchema::Auto] {
         let typed = performs("qwerty-swipe", Some(mode), QUICK);
         assert_eq!(typed.text, "quick ");
     }
     let typed = performs(
         "qwerty-swipe",
-        Some(TextModeSetup::Auto),
+        Some(TextModeSchema::Auto),
         &format!("{QUICK}; tap Backspace"),
     );
     assert_eq!(typed.text, "");
@@ -54,7 +54,7 @@ fn a_swiped_word_is_typed_when_the_finger_is_lifted() {
 #[test]
 fn a_space_behind_a_swiped_word_is_not_doubled() {
     let script = format!("{QUICK}; tap Space; tap F; tap O; tap X; tap Space");
-    let typed = performs("qwerty-swipe", Some(TextModeSetup::Auto), &script);
+    let typed = performs("qwerty-swipe", Some(TextModeSchema::Auto), &script);
     assert_eq!(typed.text, "quick fox ");
 }
 
@@ -63,7 +63,7 @@ fn the_rest_of_a_word_behind_a_swiped_word_that_cannot_be_typed_is_not_corrected
     let setup = Setup {
         layout: "qwerty-swipe".into(),
         text: Some(TextSetup {
-            mode: Some(TextModeSetup::Auto),
+            mode: Some(TextModeSchema::Auto),
             language: "es".into(),
             ..TextSetup::default()
         }),
@@ -81,8 +81,8 @@ fn the_rest_of_a_word_behind_a_swiped_word_that_cannot_be_typed_is_not_corrected
 #[test]
 fn only_the_first_key_is_pressed_without_swipes() {
     for (layout, mode) in [
-        ("qwerty-swipe", Some(TextModeSetup::Literal)),
-        ("qwerty-words", Some(TextModeSetup::Auto)),
+        ("qwerty-swipe", Some(TextModeSchema::Literal)),
+        ("qwerty-words", Some(TextModeSchema::Auto)),
     ] {
         assert_eq!(performs(layout, mode, QUICK).text, "q", "{layout}");
     }
@@ -91,7 +91,7 @@ fn only_the_first_key_is_pressed_without_swipes() {
 #[test]
 fn taps_on_a_board_with_swipes_are_the_same_events() {
     let text = "teh quick brown fox jumps over the lazy dog and all is well too ";
-    for mode in [TextModeSetup::Literal, TextModeSetup::Auto] {
+    for mode in [TextModeSchema::Literal, TextModeSchema::Auto] {
         for (noise, seed) in [(0.0, 0), (2.0, 1), (2.0, 2)] {
             let with = types("qwerty-swipe", mode, text, noise, seed);
             let without = types("qwerty-words", mode, text, noise, seed);
@@ -129,7 +129,7 @@ impl<S: Source> Source for Hiding<S> {
 
 #[test]
 fn a_finger_that_is_hidden_in_the_midst_of_a_swipe_ends_it() {
-    let setup = setup("qwerty-swipe", Some(TextModeSetup::Auto));
+    let setup = setup("qwerty-swipe", Some(TextModeSchema::Auto));
     let rows = setup.glove.as_ref().expect("a glove").map.rows();
     let of_index = rows
         .iter()

@@ -10,12 +10,12 @@ use ademan::layout::Layout;
 use ademan::pipeline::{CommandError, SourceRole};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::sim::UsTextField;
-use ademan::text::{TextModeSetup, TextSetup};
+use ademan::text::{TextModeSchema, TextSetup};
 
 use crate::support::checked::CheckedPipeline;
 use crate::support::wearer::load_layout;
 
-fn setup(text: Option<TextModeSetup>) -> LoadedSetup {
+fn setup(text: Option<TextModeSchema>) -> LoadedSetup {
     let setup = Setup {
         text: text.map(|mode| TextSetup {
             mode: Some(mode),
@@ -65,14 +65,14 @@ fn typist(setup: &LoadedSetup, text: &str, noise: f64, seed: u64) -> impl Source
     setup.typist(text, &format, noise, seed).expect("a text")
 }
 
-fn types(text: Option<TextModeSetup>, line: &str) -> Typed {
+fn types(text: Option<TextModeSchema>, line: &str) -> Typed {
     let setup = setup(text);
     play(&setup, typist(&setup, line, 0.0, 0), |_, _, _| {})
 }
 
 #[test]
 fn words_are_corrected_at_their_end() {
-    let typed = types(Some(TextModeSetup::Auto), "teh quikc brown fox ");
+    let typed = types(Some(TextModeSchema::Auto), "teh quikc brown fox ");
     assert_eq!(typed.text, "the quick brown fox ");
 }
 
@@ -81,20 +81,20 @@ fn literal_and_no_decoder_are_the_same_events_and_suggest_the_same_text() {
     let line = "teh quikc brown fox ";
     let without = types(None, line);
     assert_eq!(without.text, line);
-    assert_eq!(types(Some(TextModeSetup::Literal), line), without);
-    assert_eq!(types(Some(TextModeSetup::Suggest), line).text, line);
+    assert_eq!(types(Some(TextModeSchema::Literal), line), without);
+    assert_eq!(types(Some(TextModeSchema::Suggest), line).text, line);
 }
 
 #[test]
 fn passwords_and_numbers_are_left_alone() {
     for line in ["xk47vq9zt ", "1984 3.14 zyzzogeton kubectl ", "qz7, b2c; "] {
-        assert_eq!(types(Some(TextModeSetup::Auto), line).text, line);
+        assert_eq!(types(Some(TextModeSchema::Auto), line).text, line);
     }
 }
 
 #[test]
 fn a_pause_in_a_word_drops_it() {
-    let setup = setup(Some(TextModeSetup::Auto));
+    let setup = setup(Some(TextModeSchema::Auto));
     let mut is_paused = false;
     let typed = play(
         &setup,
@@ -114,7 +114,7 @@ fn a_pause_in_a_word_drops_it() {
 
 #[test]
 fn a_candidate_replaces_the_typed_word_and_adds_a_space() {
-    let setup = setup(Some(TextModeSetup::Suggest));
+    let setup = setup(Some(TextModeSchema::Suggest));
     let mut seen = Vec::new();
     let typed = play(
         &setup,
@@ -138,7 +138,7 @@ fn a_candidate_replaces_the_typed_word_and_adds_a_space() {
 
 #[test]
 fn a_candidate_that_no_word_has_is_refused() {
-    let mut pipeline = CheckedPipeline::new(&setup(Some(TextModeSetup::Suggest)));
+    let mut pipeline = CheckedPipeline::new(&setup(Some(TextModeSchema::Suggest)));
     let candidate = Command::Candidate { number: 1 };
     assert_eq!(
         pipeline.execute(&candidate, CommandOrigin::Client, &mut Events::new()),
@@ -150,7 +150,7 @@ fn a_candidate_that_no_word_has_is_refused() {
 fn performs(script: &str) -> String {
     let setup = Setup {
         layout: "qwerty-words".into(),
-        ..setup(Some(TextModeSetup::Suggest)).setup
+        ..setup(Some(TextModeSchema::Suggest)).setup
     };
     let setup = setup.load_files().expect("the shipped layout");
     let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
@@ -198,7 +198,7 @@ fn performs_beside_a_pointer(script: &str) -> (String, u64, TextMode) {
             source: source("serial:/dev/left"),
             ..OtherHand::default()
         }),
-        ..setup(Some(TextModeSetup::Suggest)).setup
+        ..setup(Some(TextModeSchema::Suggest)).setup
     };
     let setup = load_layout(&layout, setup);
     let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
@@ -230,7 +230,7 @@ fn the_mode_changes_while_the_hand_types_and_needs_a_decoder() {
     let auto = Command::Text {
         mode: TextMode::Auto,
     };
-    let literal = setup(Some(TextModeSetup::Literal));
+    let literal = setup(Some(TextModeSchema::Literal));
     let typed = play(
         &literal,
         typist(&literal, "teh teh ", 0.0, 0),
@@ -255,7 +255,7 @@ fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
     let typed = |output: &str| {
         let setup = Setup {
             text: Some(TextSetup {
-                mode: Some(TextModeSetup::Auto),
+                mode: Some(TextModeSchema::Auto),
                 language: "es".into(),
                 ..TextSetup::default()
             }),
@@ -279,7 +279,7 @@ fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
 fn the_rest_of_a_word_behind_a_candidate_that_cannot_be_typed_is_not_corrected() {
     let setup = Setup {
         text: Some(TextSetup {
-            mode: Some(TextModeSetup::Auto),
+            mode: Some(TextModeSchema::Auto),
             language: "es".into(),
             ..TextSetup::default()
         }),
@@ -309,7 +309,7 @@ fn the_rest_of_a_word_behind_a_candidate_that_cannot_be_typed_is_not_corrected()
 fn a_language_or_letters_that_are_missing_leave_keys_as_they_are() {
     let load = |language: &str, layout: &str| {
         let text = TextSetup {
-            mode: Some(TextModeSetup::Auto),
+            mode: Some(TextModeSchema::Auto),
             language: language.into(),
             ..TextSetup::default()
         };
@@ -378,7 +378,7 @@ fn the_mode_of_a_layout_counts_where_the_person_states_none() {
     assert_eq!(typed(None), corrected);
     assert_eq!(typed(Some(TextSetup::default())), corrected);
     let literal = TextSetup {
-        mode: Some(TextModeSetup::Literal),
+        mode: Some(TextModeSchema::Literal),
         ..TextSetup::default()
     };
     assert_eq!(typed(Some(literal)), line);
@@ -433,7 +433,7 @@ fn a_multitap_key_replaces_its_letter_and_takes_no_correction_back() {
     let key = "keys: [(action: Multitap(\"Period Comma\"), name: \"signs\", at_mm: (0, 60)),";
     let setup = Setup {
         text: Some(TextSetup {
-            mode: Some(TextModeSetup::Auto),
+            mode: Some(TextModeSchema::Auto),
             ..TextSetup::default()
         }),
         ..Setup::default()
@@ -464,7 +464,7 @@ pub fn distance(typed: &str, meant: &str) -> usize {
 fn a_noisy_glove_types_fewer_wrong_characters() {
     let line = "the weather was very nice so we went for a long walk in the park and then had some coffee with our friends ";
     let mut wrong = [0; 2];
-    for (index, text) in [None, Some(TextModeSetup::Auto)].into_iter().enumerate() {
+    for (index, text) in [None, Some(TextModeSchema::Auto)].into_iter().enumerate() {
         let setup = setup(text);
         for seed in 0..8 {
             let typed = play(&setup, typist(&setup, line, 2.0, seed), |_, _, _| {});

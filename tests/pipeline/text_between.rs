@@ -5,14 +5,14 @@ use ademan::capture::Hc11Format;
 use ademan::command::{Command, CommandOrigin, TextMode};
 use ademan::device::Events;
 use ademan::setup::{LoadedSetup, ProfileSetup, Setup};
-use ademan::text::{TextModeSetup, TextSetup};
+use ademan::text::{TextModeSchema, TextSetup};
 use ademan::time::Timestamp;
 
 use super::swipes::Hiding;
 use super::text::play;
 use crate::support::checked::CheckedPipeline;
 
-fn load(mode: TextModeSetup) -> LoadedSetup {
+fn load(mode: TextModeSchema) -> LoadedSetup {
     let setup = Setup {
         layout: "qwerty-words".into(),
         profiles: vec![ProfileSetup {
@@ -53,7 +53,7 @@ fn performs(
 }
 
 fn suggests(script: &str) -> String {
-    let setup = load(TextModeSetup::Suggest);
+    let setup = load(TextModeSchema::Suggest);
     performs(&setup, script, usize::MAX, |_, _| {})
 }
 
@@ -96,7 +96,7 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_mode() {
         let origin = CommandOrigin::Client;
         pipeline.execute(&command, origin, events).expect("a mode");
     };
-    let setup = load(TextModeSetup::Literal);
+    let setup = load(TextModeSchema::Literal);
     let half = format!("{HALF}; {WORD}");
     assert_eq!(performs(&setup, &half, 3, to_auto), "conteh the ");
     let whole = format!("tap A; tap Space; wait 1500; {WORD}");
@@ -105,7 +105,7 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_mode() {
 
 #[test]
 fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_profile() {
-    let setup = load(TextModeSetup::Auto);
+    let setup = load(TextModeSchema::Auto);
     let script = format!("{HALF}; {WORD}");
     let text = performs(&setup, &script, 3, |pipeline, events| {
         pipeline.switch_profile(1, events);
@@ -128,7 +128,7 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_profile_without_a_decoder() {
             text: None,
             layout: other_layout.to_string_lossy().into_owned(),
         }],
-        ..load(TextModeSetup::Auto).setup
+        ..load(TextModeSchema::Auto).setup
     };
     let setup = setup.load_files().expect("the shipped layouts");
     let typed = |between: &str| {
@@ -157,7 +157,7 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_profile_without_a_decoder() {
 
 #[test]
 fn a_hand_that_leaves_the_view_in_a_word_drops_it() {
-    let setup = load(TextModeSetup::Auto);
+    let setup = load(TextModeSchema::Auto);
     let rows = setup.glove.as_ref().expect("a glove").map.rows();
     let of_fingers = rows.iter().filter(|row| row.dof.finger().is_some());
     let channels: Vec<usize> = of_fingers.map(|row| row.channel).collect();
@@ -186,7 +186,7 @@ fn a_hand_that_leaves_the_view_in_a_word_drops_it() {
 
 #[test]
 fn a_layout_that_is_replaced_hands_over_half_a_word_and_what_was_learned() {
-    let setup = load(TextModeSetup::Auto);
+    let setup = load(TextModeSchema::Auto);
     let replace = |pipeline: &mut CheckedPipeline, events: &mut Events| {
         let mut instance = setup.layout_instance(&setup.layout).expect("a layout");
         pipeline.replace_profile(0, &mut instance, &setup.layout, events);
@@ -208,7 +208,7 @@ fn words_are_not_corrected_on_a_board_for_another_keymap() {
     for layout in ["spanish-flat", "azerty-flat", "qwertz-flat"] {
         let setup = Setup {
             layout: layout.into(),
-            ..load(TextModeSetup::Auto).setup
+            ..load(TextModeSchema::Auto).setup
         };
         let setup = Setup {
             profiles: Vec::new(),
@@ -230,7 +230,7 @@ fn words_are_not_corrected_on_a_board_for_another_keymap() {
         let setup = Setup {
             layout: layout.into(),
             profiles: Vec::new(),
-            ..load(TextModeSetup::Auto).setup
+            ..load(TextModeSchema::Auto).setup
         };
         assert_eq!(setup.load_files().expect("a layout").text_note(), None);
     }

@@ -4,7 +4,7 @@ use ademan::capture::Hc11Format;
 use ademan::command::TextMode;
 use ademan::layout::Layout;
 use ademan::setup::{LoadedSetup, Setup};
-use ademan::text::{TextModeSetup, TextSetup};
+use ademan::text::{TextModeSchema, TextSetup};
 
 use super::text::play;
 
@@ -66,7 +66,7 @@ fn load(text: Option<TextSetup>) -> LoadedSetup {
 /// Types the letters of `he` in the mode `suggest`, then performs a script. Returns the text.
 fn performs(script: &str) -> String {
     let suggest = TextSetup {
-        mode: Some(TextModeSetup::Suggest),
+        mode: Some(TextModeSchema::Suggest),
         ..TextSetup::default()
     };
     let setup = load(Some(suggest));

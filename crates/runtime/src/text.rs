@@ -6,6 +6,7 @@ use ademan_core::command::TextMode;
 use ademan_core::document::schema;
 use ademan_core::names::UnknownName;
 
+pub use ademan_core::layout::TextModeSchema;
 pub use ademan_text::filter::{
     Language, Learned, capabilities, finds_letters, learned, learned_field_tables, learned_summary,
     shows_other_keymap,
@@ -18,7 +19,7 @@ schema! {
     pub struct TextSetup {
         /// The mode at the start. Default: the mode of the layout, or `Literal`.
         #[serde(skip_serializing_if = "Option::is_none")]
-        pub mode: Option<TextModeSetup>,
+        pub mode: Option<TextModeSchema>,
         /// The language: `en` or `es`, or the path of a model that ends in `.adm`.
         pub language: String,
         /// Types letters that no key types, such as `ó`, if the output can write text.
@@ -26,40 +27,6 @@ schema! {
         /// The file of what the decoder has learned of the person: read at the start, written by `ademan ctl save-learned`.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub learned: Option<String>,
-    }
-}
-
-schema! {
-    /// The changes of the text decoder.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-    #[serde(rename = "TextMode")]
-    pub enum TextModeSetup {
-        /// Nothing; the mode can be changed while the session runs.
-        Literal,
-        /// The candidate that is chosen, nothing else.
-        Suggest,
-        /// The candidate that is chosen, and words at their end.
-        Auto,
-    }
-}
-
-impl From<TextModeSetup> for TextMode {
-    fn from(mode: TextModeSetup) -> Self {
-        match mode {
-            TextModeSetup::Literal => Self::Literal,
-            TextModeSetup::Suggest => Self::Suggest,
-            TextModeSetup::Auto => Self::Auto,
-        }
-    }
-}
-
-impl From<TextMode> for TextModeSetup {
-    fn from(mode: TextMode) -> Self {
-        match mode {
-            TextMode::Literal => Self::Literal,
-            TextMode::Suggest => Self::Suggest,
-            TextMode::Auto => Self::Auto,
-        }
     }
 }
 
@@ -78,7 +45,7 @@ impl Default for TextSetup {
 /// A mode of the text decoder in an argument, with the language if it names one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextChoice {
-    mode: TextModeSetup,
+    mode: TextModeSchema,
     language: Option<String>,
 }
 
@@ -131,7 +98,7 @@ mod tests {
             choice.applied_to(Some(before.clone()))
         };
         let expected = TextSetup {
-            mode: Some(TextModeSetup::Auto),
+            mode: Some(TextModeSchema::Auto),
             ..before.clone()
         };
         assert_eq!(applied("auto"), expected);

@@ -1,7 +1,7 @@
 //! The 3D view.
 
 use ademan::studio::texts::text;
-use ademan::text::{TextModeSetup, TextSetup};
+use ademan::text::{TextModeSchema, TextSetup};
 
 use crate::picture;
 use crate::window::{Opening, StudioWindow};
@@ -118,7 +118,7 @@ fn a_click_takes_a_candidate_of_the_decoder() {
         ..Opening::on_layout("qwerty-flat")
     };
     opening.setup.text = Some(TextSetup {
-        mode: Some(TextModeSetup::Suggest),
+        mode: Some(TextModeSchema::Suggest),
         language: "es".into(),
         ..TextSetup::default()
     });

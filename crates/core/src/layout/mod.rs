@@ -61,4 +61,5 @@ pub use render::{
     Cell, CellMark, FrontMark, Grid, Heat, KeySize, MarkRole, MarkShape, ReachArea, TooManyShapes,
     Wearer, heat_style,
 };
+pub use schema::TextModeSchema;
 pub use shape::{Shape, ShapeMove};

@@ -3,8 +3,8 @@
 //! `layouts/README.md` is the guide to the format; the doc comment of a field is its row in the tables of the guide. A type with the
 //! suffix `Schema` is the written form of the checked type of the same name.
 
-use serde::Deserialize;
 use serde::de::{Deserializer, Error};
+use serde::{Deserialize, Serialize};
 
 use super::quantity::{
     Bearing, BoardScale, Offset, Radius, RecenterDelay, RecenterOffset, RecenterSpeed, Size, Tilt,
@@ -144,11 +144,11 @@ schema! {
 }
 
 schema! {
-    /// The changes of the text decoder on a layout.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+    /// The changes of the text decoder, in files of layouts and setups.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
     #[serde(rename = "TextMode")]
     pub enum TextModeSchema {
-        /// Nothing, until the mode is changed.
+        /// Nothing; the mode can be changed while the session runs.
         Literal,
         /// The candidate that is chosen, nothing else.
         Suggest,
@@ -163,6 +163,16 @@ impl From<TextModeSchema> for TextMode {
             TextModeSchema::Literal => Self::Literal,
             TextModeSchema::Suggest => Self::Suggest,
             TextModeSchema::Auto => Self::Auto,
+        }
+    }
+}
+
+impl From<TextMode> for TextModeSchema {
+    fn from(mode: TextMode) -> Self {
+        match mode {
+            TextMode::Literal => Self::Literal,
+            TextMode::Suggest => Self::Suggest,
+            TextMode::Auto => Self::Auto,
         }
     }
 }

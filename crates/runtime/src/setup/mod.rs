@@ -38,7 +38,7 @@ use crate::capture::{CaptureError, Haptics, SourceUri};
 use crate::files::OpenDocument;
 use crate::share::ShareTarget;
 use crate::sim::TypistError;
-use crate::text::{Language, TextModeSetup, TextSetup};
+use crate::text::{Language, TextModeSchema, TextSetup};
 use ademan_core::document::{
     Document, DocumentError, FileKind, Format, Structure, first_error, schema,
 };
@@ -149,7 +149,7 @@ schema! {
         pub layout: String,
         /// The changes of the text decoder in this layout. Default: as in the setup, or in the file of the layout.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        pub text: Option<TextModeSetup>,
+        pub text: Option<TextModeSchema>,
     }
 }
 

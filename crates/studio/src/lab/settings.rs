@@ -10,7 +10,7 @@ use ademan_lab::people::{Participant, People, Tier, population};
 use ademan_lab::phrases::PhraseSet;
 use ademan_lab::readings::{Decoding, Lexicon};
 use ademan_lab::sim::fluent::SourceKind;
-use ademan_runtime::text::{Language, TextModeSetup, TextSetup};
+use ademan_runtime::text::{Language, TextModeSchema, TextSetup};
 
 /// The text decoder of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,7 +48,7 @@ impl LabDecoder {
     /// Returns the decoder as a setup has it.
     pub(super) fn setup(self) -> Option<TextSetup> {
         self.language().map(|language| TextSetup {
-            mode: Some(TextModeSetup::Auto),
+            mode: Some(TextModeSchema::Auto),
             language: language.to_owned(),
             // As in the score.
             accents: false,
