@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use parry3d::math::Vec2;
+use parry3d::math::{Vec2, Vec3};
 
 use crate::picture::{Color, Image};
 
@@ -71,6 +71,43 @@ impl Mesh {
     }
 }
 
+/// A triangle as the pixels read it: each value at the three corners.
+struct Surface {
+    nearness: Vec3,
+    opacity: Vec3,
+    red: Vec3,
+    green: Vec3,
+    blue: Vec3,
+    /// Most of it faces the eye.
+    is_front: bool,
+    limb: u8,
+}
+
+impl Surface {
+    fn new(corners: &[Corner; 3], limb: u8) -> Self {
+        let channel =
+            |channel: usize| Vec3::from(corners.map(|corner| f32::from(corner.color.0[channel])));
+        Self {
+            nearness: Vec3::from(corners.map(|corner| corner.depth.recip())),
+            opacity: Vec3::from(corners.map(|corner| corner.opacity)),
+            red: channel(0),
+            green: channel(1),
+            blue: channel(2),
+            is_front: corners.iter().filter(|corner| corner.is_front).count() >= 2,
+            limb,
+        }
+    }
+
+    /// Returns the colour at a point, by the weights of the corners; opaque.
+    fn color(&self, weights: Vec3) -> Color {
+        Color::rgb(
+            (self.red.dot(weights) + 0.5) as u8,
+            (self.green.dot(weights) + 0.5) as u8,
+            (self.blue.dot(weights) + 0.5) as u8,
+        )
+    }
+}
+
 /// The pixels so far.
 struct Buffer {
     origin: Vec2,
@@ -104,6 +141,7 @@ impl Buffer {
         if area.abs() < 1e-9 || !area.is_finite() {
             return;
         }
+        let surface = Surface::new(corners, limb);
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let columns = centers(low.x, high.x, self.size[0]);
         for row in centers(low.y, high.y, self.size[1]) {
@@ -111,41 +149,32 @@ impl Buffer {
                 let at = Vec2::new(column as f32, row as f32) + 0.5;
                 let u = (c - b).perp_dot(at - b) / area;
                 let v = (a - c).perp_dot(at - c) / area;
-                let weights = [u, v, 1.0 - u - v];
-                if weights.iter().all(|weight| *weight >= 0.0) {
-                    self.put(row * self.size[0] + column, corners, weights, limb);
+                let w = 1.0 - u - v;
+                if u >= 0.0 && v >= 0.0 && w >= 0.0 {
+                    self.put(row * self.size[0] + column, &surface, Vec3::new(u, v, w));
                 }
             }
         }
     }
 
     /// Puts a point of a surface on a pixel, if it is the nearest one there, and blends it with another limb close to it.
-    fn put(&mut self, index: usize, corners: &[Corner; 3], weights: [f32; 3], limb: u8) {
-        let mean = |value: fn(&Corner) -> f32| {
-            let values = corners.iter().zip(weights);
-            values
-                .map(|(corner, weight)| value(corner) * weight)
-                .sum::<f32>()
-        };
-        let nearness = mean(|corner| 1.0 / corner.depth);
+    fn put(&mut self, index: usize, surface: &Surface, weights: Vec3) {
+        let nearness = surface.nearness.dot(weights);
         let (old, old_color) = (self.nearness[index], self.colors[index]);
-        let is_front = corners.iter().filter(|corner| corner.is_front).count() >= 2;
-        let is_other = self.limbs[index] != limb && old > 0.0 && is_front;
+        let is_other = surface.is_front && self.limbs[index] != surface.limb && old > 0.0;
         let gap = if is_other {
             (1.0 / old - 1.0 / nearness).abs() / SEAM
         } else {
             1.0
         };
-        let opacity = mean(|corner| corner.opacity).clamp(0.0, 1.0);
-        if nearness <= old && gap >= 1.0 || opacity < MIN_OPACITY {
+        if nearness <= old && gap >= 1.0 {
             return;
         }
-        let channel = |channel: usize| {
-            let values = corners.iter().zip(weights);
-            let values = values.map(|(corner, weight)| f32::from(corner.color.0[channel]) * weight);
-            values.sum::<f32>().round() as u8
-        };
-        let own = Color([channel(0), channel(1), channel(2), 255]);
+        let opacity = surface.opacity.dot(weights).clamp(0.0, 1.0);
+        if opacity < MIN_OPACITY {
+            return;
+        }
+        let own = surface.color(weights);
         let share = 0.5 + 0.5 * gap.min(1.0);
         let old_opacity = f32::from(old_color.0[3]) / 255.0;
         if nearness <= old {
@@ -161,7 +190,7 @@ impl Buffer {
             own.with_opacity(opacity)
         };
         self.nearness[index] = nearness;
-        self.limbs[index] = limb;
+        self.limbs[index] = surface.limb;
     }
 
     fn into_image(self, opacity: f32) -> Image {
