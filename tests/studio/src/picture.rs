@@ -41,12 +41,12 @@ pub fn draw(window: &mut StudioWindow, name: &str) -> Option<RgbaImage> {
             .join(name)
             .with_extension("png"),
     );
-    let colors: HashSet<[u8; 4]> = picture.pixels().map(|pixel| pixel.0).collect();
-    assert!(
-        colors.len() > MIN_COLORS,
-        "{name} is blank: {} colours",
-        colors.len()
-    );
+    let mut colors = HashSet::new();
+    let has_content = picture.pixels().any(|pixel| {
+        colors.insert(pixel.0);
+        colors.len() > MIN_COLORS
+    });
+    assert!(has_content, "{name} is blank: {} colours", colors.len());
     Some(picture)
 }
 
@@ -69,7 +69,7 @@ pub fn compare_except(
     let mut picture = fewer_colors(&crop(&picture, panel));
     let path = folder(PICTURES).join(name).with_extension("png");
     if is_update() {
-        save(&picture, &path);
+        save_small(&picture, &path);
         return;
     }
     for area in excepted {
@@ -116,7 +116,7 @@ pub fn document(window: &mut StudioWindow, name: &str) {
         && is_update()
     {
         let path = folder(PICTURES).join(name).with_extension("png");
-        save(&fewer_colors(&picture), &path);
+        save_small(&fewer_colors(&picture), &path);
     }
 }
 
@@ -124,7 +124,7 @@ pub fn document(window: &mut StudioWindow, name: &str) {
 pub fn document_drawn(picture: &RgbaImage, name: &str) {
     if is_update() {
         let path = folder(PICTURES).join(name).with_extension("png");
-        save(&fewer_colors(picture), &path);
+        save_small(&fewer_colors(picture), &path);
     }
 }
 
@@ -141,12 +141,21 @@ fn fewer_colors(picture: &RgbaImage) -> RgbaImage {
     picture
 }
 
-/// Writes a picture into a small file.
+/// Writes a picture into a file to look at, which takes less time than a small file.
 pub fn save(picture: &RgbaImage, path: &Path) {
+    write(picture, path, CompressionType::Fast, FilterType::NoFilter);
+}
+
+/// Writes a picture of the documentation into a small file.
+fn save_small(picture: &RgbaImage, path: &Path) {
+    write(picture, path, CompressionType::Best, FilterType::Adaptive);
+}
+
+fn write(picture: &RgbaImage, path: &Path, compression: CompressionType, filter: FilterType) {
     let folder = path.parent().expect("a picture is in a folder");
     fs::create_dir_all(folder).expect("the folder can be created");
     let file = File::create(path).expect("the picture can be written");
-    let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive);
+    let encoder = PngEncoder::new_with_quality(file, compression, filter);
     let opaque = image::DynamicImage::ImageRgba8(picture.clone()).into_rgb8();
     opaque
         .write_with_encoder(encoder)
