@@ -19,6 +19,8 @@ struct Wearer {
     /// The index of the next posture.
     next: usize,
     time_us: u64,
+    /// `true` if the tracker sends that it does not see the arm.
+    is_arm_hidden: bool,
     transcript: Vec<String>,
 }
 
@@ -47,6 +49,7 @@ impl Wearer {
             postures: postures.collect(),
             next: 0,
             time_us: 0,
+            is_arm_hidden: false,
             transcript: Vec::new(),
         }
     }
@@ -76,7 +79,13 @@ impl Wearer {
     fn show(&mut self, seen: [bool; HandPart::COUNT]) {
         self.time_us += 5_000;
         let (estimate, pose) = self.postures[self.next.min(self.postures.len() - 1)];
-        let samples = [arm_sample(&pose), finger_sample(&estimate)];
+        let arm = if self.is_arm_hidden {
+            let positions = JointPositions::default();
+            Sample::Joints { positions }
+        } else {
+            arm_sample(&pose)
+        };
+        let samples = [arm, finger_sample(&estimate)];
         for (index, sample) in samples.into_iter().enumerate() {
             if seen[index] {
                 let time = Timestamp(self.time_us + index as u64);
@@ -149,6 +158,27 @@ fn a_lost_arm_releases_its_key_and_the_hand_must_leave_the_key_first() {
     wearer.hold([false, true], 100);
     assert_eq!(wearer.transcript(), "-H");
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    wearer.hold([true, true], 500);
+    assert_eq!(wearer.transcript(), "", "the finger is still in the key");
+    wearer.play();
+    assert_eq!(wearer.transcript(), "");
+    wearer.next = 0;
+    wearer.play();
+    assert_eq!(wearer.transcript(), "+H -H");
+}
+
+#[test]
+fn an_arm_that_its_tracker_does_not_see_releases_its_key_although_readings_arrive() {
+    let mut wearer = Wearer::new("qwerty-flat", "h");
+    wearer.play_until_press();
+    assert_eq!(wearer.transcript(), "+H");
+    wearer.is_arm_hidden = true;
+    wearer.hold([true, true], 90);
+    assert_eq!(wearer.transcript(), "", "it is held for a moment");
+    wearer.hold([true, true], 50);
+    assert_eq!(wearer.transcript(), "-H");
+    wearer.hold([true, true], 1000);
+    wearer.is_arm_hidden = false;
     wearer.hold([true, true], 500);
     assert_eq!(wearer.transcript(), "", "the finger is still in the key");
     wearer.play();

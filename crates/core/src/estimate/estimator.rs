@@ -122,6 +122,11 @@ impl Estimator {
         }
     }
 
+    /// Returns `true` if the source sends, but does not show the arm.
+    pub(super) fn has_lost_arm(&self) -> bool {
+        self.converter.has_lost_arm()
+    }
+
     /// Converts a reading. A rejected reading does not change the filters. Does not allocate.
     pub fn update(&mut self, reading: &Reading) -> Result<&Estimate, Rejection> {
         let gap = self.gap(reading.time)?;

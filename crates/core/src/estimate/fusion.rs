@@ -18,7 +18,7 @@ const ARM_JOINTS: [Joint; 3] = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
 /// the wrist. The sources are aligned in time by `MergedSource`.
 ///
 /// A part without a reading for longer than the timeout is lost: without the arm the [position](Estimate::is_placed) of the hand is
-/// unknown, without the fingers all fingers are untrusted. The other part stays.
+/// unknown, without the fingers all fingers are untrusted. The other part stays. An arm that its source no longer sees is lost too.
 #[derive(Clone, Debug)]
 pub struct FusedEstimator {
     parts: [Part; HandPart::COUNT],
@@ -147,28 +147,38 @@ impl FusedEstimator {
         let Self {
             parts, estimate, ..
         } = self;
+        let is_arm_seen = !parts[HandPart::Arm.index()].estimator.has_lost_arm();
         let [arm, fingers] = parts.each_ref().map(Part::state);
+        let is_placed = is_arm_seen && arm.is_some_and(|arm| arm.is_placed);
+        let was_placed = estimate.is_placed;
         estimate.reset(time);
-        estimate.jumped = jumped;
-        estimate.is_placed = arm.is_some_and(|arm| arm.is_placed);
+        estimate.jumped = jumped || is_placed && !was_placed;
+        estimate.is_placed = is_placed;
         estimate.untrusted = fingers.map_or(FingerSet::ALL, |fingers| fingers.untrusted);
         if let Some(arm) = arm {
-            estimate.root = arm.root;
-            estimate.displacement = arm.displacement;
             estimate.inputs = arm.inputs;
-            for (dof, radians) in arm.angles.known() {
-                if dof.finger().is_none() {
-                    estimate.angles.set(dof, radians);
-                }
-            }
-            for joint in ARM_JOINTS {
-                if let Some(position) = arm.measured.get(joint) {
-                    estimate.measured.set(joint, position);
-                }
+            if is_arm_seen {
+                add_arm(arm, estimate);
             }
         }
         if let Some(fingers) = fingers {
             add_fingers(fingers, estimate);
+        }
+    }
+}
+
+/// Adds the place, the angles and the joints of an arm.
+fn add_arm(arm: &Estimate, estimate: &mut Estimate) {
+    estimate.root = arm.root;
+    estimate.displacement = arm.displacement;
+    for (dof, radians) in arm.angles.known() {
+        if dof.finger().is_none() {
+            estimate.angles.set(dof, radians);
+        }
+    }
+    for joint in ARM_JOINTS {
+        if let Some(position) = arm.measured.get(joint) {
+            estimate.measured.set(joint, position);
         }
     }
 }
@@ -197,10 +207,12 @@ fn add_fingers(fingers: &Estimate, estimate: &mut Estimate) {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::capture::Sample;
     use crate::estimate::{EstimatorSettings, Smoothing};
-    use crate::hand::Finger;
+    use crate::hand::{Finger, JointPositions};
 
     /// A hand at rest, of whose angles one may jump with each reading.
     struct Hand {
@@ -287,6 +299,41 @@ mod tests {
         let (repaired, jumped) = hand.take_second(None);
         assert!(repaired.untrusted == FingerSet::NONE && jumped);
         assert_eq!(repaired.angles, rest.angles);
+    }
+
+    #[test]
+    fn an_arm_that_its_source_no_longer_sees_leaves_the_hand_nowhere_until_it_is_back() {
+        let estimator = || Estimator::new(EstimatorSettings::default());
+        let mut hand = FusedEstimator::new(estimator(), estimator(), Duration::from_millis(200));
+        let mut show = |milliseconds: u64, wrist: Option<DVec3>| {
+            let mut positions = JointPositions::default();
+            if let Some(position) = wrist {
+                positions.set(Joint::Wrist, position);
+            }
+            let mut angles = JointAngles::default();
+            angles.set(Dof::IndexMcpFlexion, 0.1);
+            let samples = [Sample::Joints { positions }, Sample::Angles { angles }];
+            let parts = [HandPart::Arm, HandPart::Fingers];
+            let mut shown = Vec::new();
+            for (sample, part) in samples.into_iter().zip(parts) {
+                let time = Timestamp(1000 * milliseconds + part.index() as u64);
+                let mut reading = Reading::new(time, None, sample);
+                reading.part = Some(part);
+                let estimate = hand.update(&reading).expect("a plausible reading");
+                shown.push((estimate.is_placed, estimate.jumped));
+            }
+            shown
+        };
+        let still = [(true, false); HandPart::COUNT];
+        show(1000, Some(DVec3::Y));
+        assert_eq!(show(1050, Some(DVec3::Y)), still);
+        assert_eq!(show(1100, None), still, "held");
+        assert_eq!(show(1150, None), still, "held");
+        for time in [1200, 1250] {
+            assert_eq!(show(time, None), [(false, false); HandPart::COUNT]);
+        }
+        let back = show(1300, Some(DVec3::Y));
+        assert_eq!(back, [(true, true), (true, false)]);
     }
 
     #[test]

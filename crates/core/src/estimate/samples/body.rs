@@ -56,6 +56,11 @@ impl BodyConverter {
         self.points.points()
     }
 
+    /// Returns `true` if the arm was seen, but not for longer than the hold time.
+    pub(super) fn has_lost_arm(&self) -> bool {
+        self.held.as_ref().is_some_and(|held| held.is_lost)
+    }
+
     /// Writes the angles and positions of the arm of one side into `estimate`.
     ///
     /// An arm whose landmarks have a confidence below the limit keeps its last pose for the hold time. After that it is

@@ -15,9 +15,15 @@ pub(super) struct BoneConverter {
     /// The last rotation of every bone seen so far.
     last: ArmRotations,
     seen_at: [Timestamp; ArmBone::COUNT],
+    has_lost_arm: bool,
 }
 
 impl BoneConverter {
+    /// Returns `true` if a bone of the arm has not come for longer than the hold time.
+    pub(super) fn has_lost_arm(&self) -> bool {
+        self.has_lost_arm
+    }
+
     /// Writes the angles of the arm of one side into `estimate`, within the joint limits.
     ///
     /// A bone that does not come keeps its last rotation. Once it has not come for longer than the hold time, its finger is
@@ -47,22 +53,28 @@ impl BoneConverter {
         if let Some(limits) = limits {
             limits.clamp_all(&mut estimate.angles);
         }
-        estimate.untrusted = self.untrusted(estimate.time);
+        let time = estimate.time;
+        let is_lost = |bone: ArmBone| bone.finger().is_none() && !self.is_held(bone, time);
+        let has_lost_arm = self.last.known().any(|(bone, _)| is_lost(bone));
+        self.has_lost_arm = has_lost_arm;
+        estimate.untrusted = self.untrusted(time);
         Ok(())
     }
 
+    /// Returns `true` if a bone came within the hold time before `time`.
+    fn is_held(&self, bone: ArmBone, time: Timestamp) -> bool {
+        self.last.is_known(bone) && time.since(self.seen_at[bone.index()]) <= HOLD
+    }
+
     fn untrusted(&self, time: Timestamp) -> FingerSet {
-        let mut untrusted = FingerSet::NONE;
-        for &bone in ArmBone::ALL {
-            let is_seen = self.last.is_known(bone);
-            let is_held = is_seen && time.since(self.seen_at[bone.index()]) <= HOLD;
-            match bone.finger() {
-                Some(finger) if !is_held => untrusted = untrusted.with(finger),
-                None if is_seen && !is_held => return FingerSet::ALL,
-                _ => {}
-            }
+        if self.has_lost_arm {
+            return FingerSet::ALL;
         }
-        untrusted
+        let lost = ArmBone::ALL
+            .iter()
+            .filter(|bone| !self.is_held(**bone, time));
+        let fingers = lost.filter_map(|bone| bone.finger());
+        fingers.fold(FingerSet::NONE, FingerSet::with)
     }
 }
 
@@ -112,6 +124,7 @@ mod tests {
         assert!(!is_trusted(&no_tip), "the first bone came 210 ms ago");
         assert!(is_trusted(&convert(320, &all)));
         assert_eq!(convert(521, &index).untrusted, FingerSet::ALL);
+        assert!(converter.has_lost_arm());
     }
 
     #[test]

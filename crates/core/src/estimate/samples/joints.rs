@@ -26,6 +26,8 @@ pub(super) struct JointConverter {
     /// The last position of every joint seen so far.
     last: MeasuredJoints,
     seen_at: [Timestamp; ANCHORS.len()],
+    /// `true` if an elbow or wrist that was seen before is hidden for longer than the hold time.
+    is_anchor_lost: bool,
     /// The last hand that was seen; `None` before the first.
     held: Option<Held>,
 }
@@ -41,6 +43,11 @@ struct Held {
 }
 
 impl JointConverter {
+    /// Returns `true` if the hand, or the elbow or wrist that was seen before, has not been seen for longer than the hold time.
+    pub(super) fn has_lost_arm(&self) -> bool {
+        self.is_anchor_lost || self.held.is_some_and(|held| held.is_lost)
+    }
+
     /// Converts positions to measured joints and the angles between them, within the joint limits.
     ///
     /// A joint that is hidden keeps its last position. A finger whose tip is hidden or predicted is untrusted, and so are all fingers
@@ -103,10 +110,12 @@ impl JointConverter {
     }
 
     fn untrusted(&mut self, time: Timestamp, positions: &JointPositions) -> FingerSet {
+        self.is_anchor_lost = false;
         for (joint, seen_at) in ANCHORS.into_iter().zip(&mut self.seen_at) {
             if is_measured(positions, joint) {
                 *seen_at = time;
             } else if self.last.get(joint).is_some() && time.since(*seen_at) > HOLD {
+                self.is_anchor_lost = true;
                 return FingerSet::ALL;
             }
         }

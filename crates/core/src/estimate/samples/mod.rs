@@ -61,6 +61,11 @@ impl SampleConverter {
         self.channels.as_mut()
     }
 
+    /// Returns `true` if the latest reading did not show an arm that was seen before, for longer than the hold time.
+    pub(super) fn has_lost_arm(&self) -> bool {
+        self.joints.has_lost_arm() || self.body.has_lost_arm() || self.bones.has_lost_arm()
+    }
+
     /// Returns head and hip, if landmarks of a body show them.
     pub(super) fn body_points(&self) -> &BodyPoints {
         self.body.points()
