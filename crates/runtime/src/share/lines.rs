@@ -11,7 +11,7 @@ use crate::capture::protocol::text_line;
 use crate::trace::{Stage, angles_json, pose_json};
 use ademan_core::contact::Phase;
 use ademan_core::estimate::JointAngles;
-use ademan_core::hand::Side;
+use ademan_core::hand::{FingerSet, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 use ademan_core::objects::layout_object;
@@ -50,6 +50,8 @@ pub(super) struct Wanted {
 pub(super) struct LineEncoder {
     /// The first hand of the session.
     first: Side,
+    /// `true` once a text line has shown an angle of a finger.
+    has_fingers: bool,
     lines: Vec<Line>,
     /// The active layout and its line.
     layout: Arc<Layout>,
@@ -64,6 +66,7 @@ impl LineEncoder {
     pub fn new(first: Side, layout: Arc<Layout>) -> Self {
         Self {
             first,
+            has_fingers: false,
             lines: Vec::new(),
             layout,
             layout_line: None,
@@ -143,16 +146,27 @@ impl LineEncoder {
         }
     }
 
-    /// Writes a text line, which shows the first hand.
+    /// Writes a text line, which shows the first hand. Returns `false` while that hand is lost: a line has a number for each angle, so
+    /// that a receiver would go on with a hand that is not there.
     fn write_text_line(
         &mut self,
         angles: &JointAngles,
         pose: &HandPose,
         time: Option<Timestamp>,
     ) -> bool {
+        if pose.side != self.first || self.is_lost(angles, pose) {
+            return false;
+        }
         self.buffer.clear();
         text_line::write(angles, time, &mut self.buffer);
-        pose.side == self.first
+        true
+    }
+
+    /// Returns `true` if the hand is nowhere, or if none of the fingers that were measured is trusted.
+    fn is_lost(&mut self, angles: &JointAngles, pose: &HandPose) -> bool {
+        self.has_fingers |= angles.known().any(|(dof, _)| dof.finger().is_some());
+        let has_lost_fingers = self.has_fingers && pose.untrusted == FingerSet::ALL;
+        pose.known().next().is_none() || has_lost_fingers
     }
 
     fn add_objects(&mut self, step: &SharedStep, kind: ShareKind, wanted: &Wanted) {

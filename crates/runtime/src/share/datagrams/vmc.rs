@@ -13,10 +13,14 @@ use ademan_core::time::Timestamp;
 /// Shortest time between two datagrams of a hand: twice the rate at which avatars are drawn.
 const MIN_PERIOD: Duration = Duration::from_micros(8_333);
 
+/// Longest time for which the bones of a hand are sent after its last pose.
+const MAX_AGE: Duration = Duration::from_millis(200);
+
 /// The smallest part of a vector across another one that shows a direction, as a fraction of its length.
 const MIN_ACROSS: f32 = 0.05;
 
-/// The encoder of the poses of both hands. Each datagram has the latest bones of both.
+/// The encoder of the poses of both hands. Each datagram has the latest bones of both, without the hand that is lost: a receiver takes
+/// each bone for one that is seen now.
 #[derive(Default)]
 pub(super) struct VmcEncoder {
     bones: BoneRotations,
@@ -35,14 +39,29 @@ impl VmcEncoder {
         }
         *sent_at = Some(pose.time);
         *self.bones.arm_mut(pose.side) = arm_bones(angles, pose);
+        let other = pose.side.opposite();
+        let is_old = |sent: Timestamp| pose.time.since(sent).max(sent.since(pose.time)) > MAX_AGE;
+        if self.sent_at[other.index()].is_some_and(is_old) {
+            *self.bones.arm_mut(other) = ArmRotations::default();
+        }
         Some(vmc::encode_at(&self.bones, pose.time))
     }
 }
 
-/// Returns the rotations of the bones of an arm. Upper arm and forearm come from the pose: avatars have the elbow of a person, and
-/// an arm of a setup may bend otherwise.
+/// Returns the rotations of the bones of an arm, without the fingers that are not trusted; none of an arm that is nowhere. Upper arm and
+/// forearm come from the pose: avatars have the elbow of a person, and an arm of a setup may bend otherwise.
 fn arm_bones(angles: &JointAngles, pose: &HandPose) -> ArmRotations {
-    let mut bones = bones_from_angles(angles, pose.side);
+    if pose.known().next().is_none() {
+        return ArmRotations::default();
+    }
+    let mut trusted = JointAngles::default();
+    for (dof, radians) in angles.known() {
+        let is_trusted = |finger| !pose.untrusted.contains(finger);
+        if dof.finger().is_none_or(is_trusted) {
+            trusted.set(dof, radians);
+        }
+    }
+    let mut bones = bones_from_angles(&trusted, pose.side);
     let Some(upper_arm) = upper_arm(pose) else {
         return bones;
     };
@@ -93,6 +112,7 @@ fn upper_arm(pose: &HandPose) -> Option<Quat> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ademan_core::hand::{Dof, Finger, FingerSet};
     use parry3d::math::Pose;
 
     fn arm(side: Side, joints: [Vec3; 3]) -> HandPose {
@@ -141,5 +161,35 @@ mod tests {
         let right = times.map(|time| sent(time, Side::Right));
         assert_eq!(right, [true, false, false, true, false, true, true]);
         assert!(sent(2, Side::Left));
+    }
+
+    #[test]
+    fn a_finger_that_is_not_trusted_and_a_hand_that_is_lost_have_no_bones() {
+        let mut encoder = VmcEncoder::default();
+        let mut angles = JointAngles::default();
+        for &dof in Dof::ALL {
+            angles.set(dof, 0.1);
+        }
+        let mut sent = |pose: &HandPose| {
+            assert!(encoder.encode(&angles, pose).is_some());
+            encoder.bones
+        };
+        let seen = |milliseconds: u64, side| {
+            let mut pose = arm(side, [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::NEG_Z]);
+            pose.time = Timestamp(1000 * milliseconds);
+            pose
+        };
+        let index = ArmBone::IndexFirst;
+        assert!(sent(&seen(0, Side::Left)).left.is_known(index));
+        let mut cut = seen(10, Side::Right);
+        cut.untrusted = FingerSet::NONE.with(Finger::Index);
+        let both = sent(&cut);
+        assert!(both.left.is_known(index) && !both.right.is_known(index));
+        assert!(both.right.is_known(ArmBone::MiddleFirst));
+        assert!(both.right.is_known(ArmBone::LowerArm));
+        let alone = sent(&seen(300, Side::Right));
+        assert!(alone.left.is_empty() && alone.right.is_known(index));
+        let nowhere = HandPose::new(Timestamp(400_000), Side::Right, 0.008);
+        assert!(sent(&nowhere).right.is_empty());
     }
 }

@@ -6,9 +6,11 @@ use super::*;
 use crate::files::Load;
 use crate::output::tests::wait_until;
 use ademan_core::estimate::JointAngles;
+use ademan_core::hand::{Dof, FingerSet, Joint};
 use ademan_core::kinematics::HandPose;
 use ademan_core::pipeline::PipelineState;
 use ademan_core::snapshot::Snapshot;
+use parry3d::math::Pose;
 
 const TIMEOUT: Duration = Duration::from_secs(60);
 
@@ -21,11 +23,14 @@ fn layout() -> Arc<Layout> {
     Arc::new(Layout::load("numpad").unwrap())
 }
 
+/// Returns a step of a hand whose wrist is at the origin.
 fn step(time: u64) -> SharedStep {
+    let mut pose = HandPose::new(Timestamp(time), Side::Right, 0.008);
+    pose.set(Joint::Wrist, Pose::IDENTITY);
     let snapshot = Snapshot {
         state: PipelineState::Running,
         angles: Some(JointAngles::default()),
-        pose: Some(HandPose::new(Timestamp(time), Side::Right, 0.008)),
+        pose: Some(pose),
         ..Snapshot::default()
     };
     SharedStep {
@@ -146,6 +151,32 @@ fn the_last_lines_of_a_session_reach_its_clients() {
         let last = lines.last().unwrap();
         assert!(last.starts_with(r#"{"time_us":1031,"#), "{last}");
     }
+}
+
+#[test]
+fn text_lines_stop_while_the_hand_is_lost() {
+    let mut hub = hub(&["text-line:127.0.0.1:0"]);
+    let reader = BufReader::new(hub.connect(1));
+    for number in 0..16 {
+        let mut step = step(number);
+        let mut angles = JointAngles::default();
+        angles.set(Dof::WristFlexion, 0.001 * number as f64);
+        let pose = step.snapshot.pose.as_mut().unwrap();
+        match number {
+            // An arm without fingers.
+            0..4 => pose.untrusted = FingerSet::ALL,
+            4..8 => angles.set(Dof::IndexMcpFlexion, 0.5),
+            8..12 => pose.untrusted = FingerSet::ALL,
+            _ => *pose = HandPose::new(pose.time, pose.side, pose.tip_radius),
+        }
+        step.snapshot.angles = Some(angles);
+        hub.send(step);
+    }
+    drop(hub);
+    let lines = reader.lines().map_while(Result::ok);
+    let wrist = |line: String| line.split(' ').nth(4).unwrap().parse::<f64>().unwrap();
+    let shown: Vec<f64> = lines.map(wrist).filter(|degrees| *degrees > 0.0).collect();
+    assert_eq!(shown.len(), 7, "{shown:?}");
 }
 
 #[test]
