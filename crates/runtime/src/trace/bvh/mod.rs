@@ -120,9 +120,11 @@ impl<W: Write + Seek> PoseWriter<W> {
         }
     }
 
-    /// Adds a pose. A hand that is first seen after the lengths of the bones are known is left out.
+    /// Adds a pose. A hand that is first seen after the lengths of the bones are known is left out. One that is nowhere, as its source
+    /// was lost, keeps its last pose.
     pub fn push(&mut self, pose: &HandPose) -> Result<()> {
-        if self.options.side.is_some_and(|side| side != pose.side) {
+        let is_other = self.options.side.is_some_and(|side| side != pose.side);
+        if is_other || pose.known().next().is_none() {
             return Ok(());
         }
         let pose = ArmPose {

@@ -85,6 +85,20 @@ fn frames_are_the_latest_poses_at_a_constant_rate() {
 }
 
 #[test]
+fn a_hand_that_is_nowhere_keeps_its_last_pose() {
+    let mut poses = poses(Side::Right, 200);
+    for pose in &mut poses[120..150] {
+        *pose = HandPose::new(pose.time, pose.side, pose.tip_radius);
+    }
+    let bvh = Bvh::parse(&written(&poses, 100.0)).unwrap();
+    assert_eq!(bvh.motion().frame_count, 200);
+    let positions = |frame| bvh.positions(frame, PositionChannels::Add);
+    let last = positions(119);
+    assert!((120..150).all(|frame| positions(frame) == last));
+    assert_ne!(positions(150), last);
+}
+
+#[test]
 fn both_hands_are_in_one_file_below_the_hips_and_the_first_pose_does_not_decide() {
     let sides = [Side::Left, Side::Right].map(|side| poses(side, 150));
     let mut both = Vec::new();
