@@ -8,7 +8,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError};
 use ademan::calibrate::positions::{
     HandLengths, PositionError, TablePlane, board_on_table, measure_lengths,
 };
-use ademan::capture::{CaptureEvent, Reading, SourceUri, spawn};
+use ademan::capture::{CaptureEvent, Reading, Sample, SourceUri, spawn};
 use ademan::contact::board_pose::BoardPose;
 use ademan::estimate::{Estimator, EstimatorSettings, Smoothing};
 use ademan::hand::JointPositions;
@@ -18,8 +18,11 @@ use ademan::setup::LoadedSetup;
 use super::lengths::{self, LengthArgs};
 use crate::failure::Failure;
 
-/// The time for which positions of a live source are collected.
+/// The time for which positions of a live source are collected, from the first one on.
 const TIME: Duration = Duration::from_secs(5);
+
+/// The time for which a live source may show nothing at first: a person starts the program that sends, or puts a headset on.
+const MAX_WAIT: Duration = Duration::from_secs(60);
 
 /// The most positions that are collected: about 60 MB. A camera shows as many in half an hour.
 const MAX_POSITIONS: usize = 100_000;
@@ -37,11 +40,6 @@ pub fn run(setup: &LoadedSetup, source: &SourceUri, typed: LengthArgs) -> Result
         TIME.as_secs()
     )?;
     let positions = collect(setup, source)?;
-    if positions.is_empty() {
-        return Err(Failure::wrong_use(
-            "this source measures no positions of joints, and needs no glove file: there is nothing to calibrate",
-        ));
-    }
     let lengths = measure_lengths(&positions).and_then(|measured| {
         let lengths = typed.or(measured);
         lengths.check()?;
@@ -64,11 +62,10 @@ pub fn run(setup: &LoadedSetup, source: &SourceUri, typed: LengthArgs) -> Result
     }
 }
 
-/// Collects the positions of a live source for a few seconds, or of another source to its end.
+/// Collects the positions of a live source for a few seconds, or of another source to its end. Fails if it shows none.
 fn collect(setup: &LoadedSetup, source: &SourceUri) -> Result<Vec<JointPositions>, Failure> {
     let capture = spawn(setup.open_source_alone(source)?)?;
-    let end = capture.is_live().then(|| Instant::now() + TIME);
-    match collect_until(capture.events(), end, MAX_POSITIONS)? {
+    match collect_from(capture.events(), capture.is_live(), MAX_POSITIONS)? {
         Some(positions) => Ok(positions),
         None => Err(Failure::wrong_use(format!(
             "{} has more than {MAX_POSITIONS} readings; calibrate with a shorter recording",
@@ -77,19 +74,29 @@ fn collect(setup: &LoadedSetup, source: &SourceUri) -> Result<Vec<JointPositions
     }
 }
 
-/// Collects positions up to a time, or until the source or its thread ends. Returns `None` if there are more than `limit`.
-fn collect_until(
+/// Collects positions until the time of a live source is over, or the source or its thread ends. Returns `None` if there are more than
+/// `limit`, and fails if there is none.
+fn collect_from(
     events: &Receiver<CaptureEvent>,
-    end: Option<Instant>,
+    is_live: bool,
     limit: usize,
 ) -> Result<Option<Vec<JointPositions>>, Failure> {
     // A filter delays, and a limit hides movement.
     let mut estimator = Estimator::new(EstimatorSettings::unchecked(Smoothing::Off));
     let mut positions = Vec::new();
+    let (mut is_waiting, mut has_others) = (is_live, false);
+    let mut end = is_live.then(|| Instant::now() + MAX_WAIT);
     while end.is_none_or(|time| Instant::now() < time) {
         match events.recv_timeout(Duration::from_millis(20)) {
             Ok(CaptureEvent::Reading { reading, .. }) => {
                 positions.extend(measured(&mut estimator, &reading));
+                let has_positions =
+                    matches!(reading.sample, Sample::Joints { .. } | Sample::Body(_));
+                has_others |= !has_positions;
+                if is_waiting && (has_others || !positions.is_empty()) {
+                    is_waiting = false;
+                    end = Some(Instant::now() + TIME);
+                }
                 if positions.len() > limit {
                     return Ok(None);
                 }
@@ -100,7 +107,18 @@ fn collect_until(
             Ok(_) | Err(RecvTimeoutError::Timeout) => {}
         }
     }
-    Ok(Some(positions))
+    if !positions.is_empty() {
+        return Ok(Some(positions));
+    }
+    Err(if has_others {
+        Failure::wrong_use(
+            "this source measures no positions of joints, and needs no glove file: there is nothing to calibrate",
+        )
+    } else {
+        Failure::job(
+            "the source has shown no hand; start what sends to it, and keep the whole hand in view",
+        )
+    })
 }
 
 /// Returns the joints that a reading shows, or `None` if it shows none.
@@ -165,20 +183,24 @@ fn describe_board(board: &BoardPose) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ademan::capture::{Sample, SourceStats};
-    use ademan::hand::Joint;
+    use ademan::capture::SourceStats;
+    use ademan::hand::{Joint, JointAngles};
     use ademan::time::Timestamp;
     use crossbeam_channel::unbounded;
 
     /// Returns the events of a source that shows the joints `count` times before its thread ends.
     fn events(count: u64) -> Receiver<CaptureEvent> {
-        let (sender, events) = unbounded();
         let mut positions = JointPositions::default();
         positions.set(Joint::Elbow, [0.0; 3].into());
         positions.set(Joint::Wrist, [0.0, 0.0, -0.25].into());
-        for time in 0..count {
-            let time = Timestamp(10_000 * time);
-            let reading = Reading::new(time, None, Sample::Joints { positions });
+        events_of(&Sample::Joints { positions }, count)
+    }
+
+    fn events_of(sample: &Sample, count: u64) -> Receiver<CaptureEvent> {
+        let (sender, events) = unbounded();
+        for number in 0..count {
+            let time = Timestamp(10_000 * number);
+            let reading = Reading::new(time, None, sample.clone());
             let event = CaptureEvent::Reading {
                 reading,
                 received_at: Instant::now(),
@@ -191,13 +213,32 @@ mod tests {
 
     #[test]
     fn a_source_whose_thread_is_gone_is_at_its_end() {
-        let collected = collect_until(&events(3), None, 3).expect("no failure");
+        let collected = collect_from(&events(3), false, 3).expect("no failure");
         assert_eq!(collected.expect("few positions").len(), 3);
     }
 
     #[test]
     fn a_source_with_too_many_positions_is_refused() {
-        let collected = collect_until(&events(4), None, 3).expect("no failure");
+        let collected = collect_from(&events(4), false, 3).expect("no failure");
         assert!(collected.is_none());
+    }
+
+    #[test]
+    fn a_source_that_shows_no_hand_is_told_from_one_that_measures_no_positions() {
+        let unseen = Sample::Joints {
+            positions: JointPositions::default(),
+        };
+        let angles = Sample::Angles {
+            angles: JointAngles::default(),
+        };
+        for (sample, count, expected) in [
+            (&unseen, 3, "the source has shown no hand"),
+            (&unseen, 0, "the source has shown no hand"),
+            (&angles, 3, "measures no positions of joints"),
+        ] {
+            let collected = collect_from(&events_of(sample, count), true, 3);
+            let error = collected.expect_err("no positions").to_string();
+            assert!(error.contains(expected), "{error}");
+        }
     }
 }
