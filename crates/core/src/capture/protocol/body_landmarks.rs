@@ -1,21 +1,21 @@
 //! Lines of JSON with the landmarks of a body, as the pose models of MediaPipe find them.
 //!
 //! ```json
-//! {"pose_world_landmarks":[[0.06,-0.65,-0.12,0.99],…]}
+//! {"time_us":12500,"pose_world_landmarks":[[0.06,-0.65,-0.12,0.99],…]}
 //! ```
 //!
 //! One object per line, with [`BODY_LANDMARKS`] landmarks of one person: x, y and z in metres and the visibility, which
-//! may be missing. Other fields are ignored. A line with another number of landmarks, with a position beyond
+//! may be missing, as may the time. Other fields are ignored. A line with another number of landmarks, with a position beyond
 //! [`MAX_COORDINATE`] or with a visibility outside 0 to 1 is skipped.
 
 use arrayvec::ArrayVec;
 use serde::Deserialize;
 
 use super::bone_lengths::{self, BONES};
+use super::line_times::LineTimes;
 use super::lines::{LineDecoder, LineParser};
-use super::{
-    Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, space,
-};
+use super::tracked_hands::RATE;
+use super::{Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, space};
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use crate::capture::markers::LiveFit;
 use crate::capture::{Reading, Sample, SampleKind};
@@ -38,6 +38,7 @@ pub const PROTOCOL: Protocol = Protocol {
     decoder: |options| {
         Box::new(LineDecoder::with_parser(BodyParser {
             bones: bone_lengths::fit(options, &RATE),
+            times: LineTimes::default(),
         }))
     },
     encoder: |_, _| {
@@ -47,13 +48,6 @@ pub const PROTOCOL: Protocol = Protocol {
     },
 };
 
-const RATE: ProtocolOption = ProtocolOption {
-    name: "rate_hz",
-    default: "30",
-    summary: "lines per second of a file, 0.1 to 10000",
-    check: |value| space::check_range(value, 0.1..=10_000.0, "lines per second"),
-};
-
 /// Largest coordinate, in metres: no room is larger.
 pub const MAX_COORDINATE: f32 = 100.0;
 
@@ -61,6 +55,7 @@ pub const MAX_COORDINATE: f32 = 100.0;
 #[derive(Clone, Debug, Default)]
 pub struct BodyParser {
     bones: Option<LiveFit>,
+    times: LineTimes,
 }
 
 /// Creates a decoder at the start of a stream.
@@ -73,11 +68,13 @@ impl LineParser for BodyParser {
     const MAX_LINE_BYTES: usize = 24 * 1024;
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
-        let mut body = parse(std::str::from_utf8(line)?)?;
+        let line: Line = serde_json::from_str(std::str::from_utf8(line)?)?;
+        let mut body = body(line.pose_world_landmarks)?;
+        let time = self.times.check(line.time_us)?;
         if let Some(fit) = &mut self.bones {
             bone_lengths::fit_body(fit, &mut body);
         }
-        emit(Packet::new(Sample::Body(body), 0));
+        emit(Packet::of_line(Sample::Body(body), time));
         Ok(())
     }
 
@@ -85,19 +82,15 @@ impl LineParser for BodyParser {
         if let Some(fit) = &mut self.bones {
             fit.reset();
         }
+        self.times = LineTimes::default();
     }
 }
 
 /// The fields of a line that count.
 #[derive(Deserialize)]
 struct Line {
+    time_us: Option<u64>,
     pose_world_landmarks: ArrayVec<Landmark, BODY_LANDMARKS>,
-}
-
-/// Reads a line. An error states why it is not valid.
-pub fn parse(line: &str) -> Result<BodyLandmarks, PacketError> {
-    let line: Line = serde_json::from_str(line)?;
-    body(line.pose_world_landmarks)
 }
 
 /// Returns the body of a list of landmarks. An error states why it is not valid.
@@ -167,6 +160,11 @@ mod tests {
         BodyLandmarks {
             points: (0..BODY_LANDMARKS).map(landmark).collect(),
         }
+    }
+
+    fn parse(line: &str) -> Result<BodyLandmarks, PacketError> {
+        let line: Line = serde_json::from_str(line)?;
+        body(line.pose_world_landmarks)
     }
 
     /// Returns a line whose last landmark is `last`.
@@ -245,6 +243,38 @@ mod tests {
                     .all(|sample| *sample == Sample::Body(some_body()))
             );
             assert_eq!(decoder.pending_bytes(), 0);
+        }
+    }
+
+    #[test]
+    fn a_line_may_state_its_time_which_is_later_than_in_the_line_before() {
+        let line =
+            |time: u64| encode(&some_body()).replacen('{', &format!("{{\"time_us\":{time},"), 1);
+        let mut decoder = decoder();
+        let mut times = Vec::new();
+        for text in [
+            line(2_000_000),
+            line(2_033_000),
+            line(2_033_000),
+            line(1_500_000),
+            encode(&some_body()),
+            line(5),
+            line(7).replace(":7,", ":7.5,"),
+        ] {
+            decoder.push(text.as_bytes(), &mut |packet| {
+                assert_eq!(packet.time, packet.sent_at);
+                times.push(packet.time.map(|time| time.0));
+            });
+        }
+        let expected = [Some(2_000_000), Some(2_033_000), None, Some(5)];
+        assert_eq!(times, expected);
+        let invalid = decoder.stats().invalid;
+        for reason in [
+            InvalidPacket::OutOfOrder,
+            InvalidPacket::TooOld,
+            InvalidPacket::Unknown,
+        ] {
+            assert_eq!(invalid.get(reason), 1, "{reason}");
         }
     }
 
