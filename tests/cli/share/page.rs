@@ -117,6 +117,20 @@ fn the_text_of_the_page_has_shifted_characters_and_ends_with_its_session() {
         })()"#,
     );
     assert_eq!(texts, json!(["ab", "c"]));
+    // A hand whose source was lost while the other one is seen.
+    let hands = browser.evaluate(
+        r#"(async () => {
+            const { receive, session } = await import("/session.js");
+            const scene = (time_us) => receive({ kind: "scene", time_us, state: "running", boards: [], pressed: [], keys: [] });
+            scene(100e6);
+            receive({ kind: "pose", side: "left", time_us: 100e6, positions: {} });
+            scene(100.4e6);
+            const seen = Object.keys(session.hands);
+            scene(100.6e6);
+            return [seen, Object.keys(session.hands)];
+        })()"#,
+    );
+    assert_eq!(hands, json!([["left"], []]));
 }
 
 /// Serves a page of another origin. A page without one, such as a `data:` URL, is refused by the browser itself.

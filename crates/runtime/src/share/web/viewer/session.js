@@ -5,8 +5,13 @@ export const session = { layout: null, boards: [], state: "connecting", hands: {
 /** Readings of two hands may be late by less: a scene that is earlier belongs to another session. */
 const MAX_LATE_US = 1e6;
 
+/** A hand without a pose for longer is lost, although the other hand is still seen. */
+const MAX_UNSEEN_US = 5e5;
+
 /** The time of the last scene. */
 let timeUs = 0;
+/** The time of the last pose of each hand. */
+const seenUs = {};
 /** The keys that are down, also those of events after the last scene. */
 let held = new Set();
 
@@ -39,9 +44,13 @@ const receivers = {
     session.keys = message.keys;
     held = new Set(message.keys);
     if (message.state !== "running" && message.state !== "paused") session.hands = {};
+    for (const side of Object.keys(session.hands)) {
+      if (timeUs - seenUs[side] > MAX_UNSEEN_US) delete session.hands[side];
+    }
   },
   pose(message) {
     session.hands[message.side] = message.positions;
+    seenUs[message.side] = message.time_us;
   },
   events({ event, key, character }) {
     if (event === "character") session.text += character;
