@@ -7,9 +7,12 @@
 //! One object per line, with [`BODY_LANDMARKS`] landmarks of one person: x, y and z in metres and the visibility, which
 //! may be missing, as may the time. Other fields are ignored. A line with another number of landmarks, with a position beyond
 //! [`MAX_COORDINATE`] or with a visibility outside 0 to 1 is skipped.
+//!
+//! An image without a person has `null` for the landmarks, or its time and no landmarks. The packet of such a line has no visible
+//! landmark.
 
 use arrayvec::ArrayVec;
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use super::bone_lengths::{self, BONES};
 use super::line_times::LineTimes;
@@ -38,7 +41,7 @@ pub const PROTOCOL: Protocol = Protocol {
     decoder: |options| {
         Box::new(LineDecoder::with_parser(BodyParser {
             bones: bone_lengths::fit(options, &RATE),
-            times: LineTimes::default(),
+            ..BodyParser::default()
         }))
     },
     encoder: |_, _| {
@@ -56,6 +59,8 @@ pub const MAX_COORDINATE: f32 = 100.0;
 pub struct BodyParser {
     bones: Option<LiveFit>,
     times: LineTimes,
+    /// `true` once a body was seen.
+    was_seen: bool,
 }
 
 /// Creates a decoder at the start of a stream.
@@ -69,11 +74,20 @@ impl LineParser for BodyParser {
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
         let line: Line = serde_json::from_str(std::str::from_utf8(line)?)?;
-        let mut body = body(line.pose_world_landmarks)?;
-        let time = self.times.check(line.time_us)?;
-        if let Some(fit) = &mut self.bones {
-            bone_lengths::fit_body(fit, &mut body);
-        }
+        let time_us = line.time_us;
+        let seen = line.body()?;
+        let time = self.times.check(time_us)?;
+        let body = match seen {
+            Some(mut body) => {
+                self.was_seen = true;
+                if let Some(fit) = &mut self.bones {
+                    bone_lengths::fit_body(fit, &mut body);
+                }
+                body
+            }
+            None if self.was_seen => unseen(),
+            None => return Ok(()),
+        };
         emit(Packet::of_line(Sample::Body(body), time));
         Ok(())
     }
@@ -83,6 +97,7 @@ impl LineParser for BodyParser {
             fit.reset();
         }
         self.times = LineTimes::default();
+        self.was_seen = false;
     }
 }
 
@@ -90,7 +105,41 @@ impl LineParser for BodyParser {
 #[derive(Deserialize)]
 struct Line {
     time_us: Option<u64>,
-    pose_world_landmarks: ArrayVec<Landmark, BODY_LANDMARKS>,
+    /// `None` if the field is missing, and `Some(None)` if it is `null`.
+    #[serde(default, deserialize_with = "stated")]
+    pose_world_landmarks: Option<Option<ArrayVec<Landmark, BODY_LANDMARKS>>>,
+}
+
+/// Reads a field that is there.
+fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(deserializer).map(Some)
+}
+
+impl Line {
+    /// Returns the body; `None` for an image without one.
+    fn body(self) -> Result<Option<BodyLandmarks>, PacketError> {
+        match (self.pose_world_landmarks, self.time_us) {
+            (Some(points), _) => points.map(body).transpose(),
+            (None, Some(_)) => Ok(None),
+            (None, None) => {
+                let text = "it has neither `pose_world_landmarks` nor `time_us`";
+                Err(PacketError::new(InvalidPacket::Unknown, text))
+            }
+        }
+    }
+}
+
+/// Returns a body of which nothing is visible.
+fn unseen() -> BodyLandmarks {
+    let landmark = Landmark {
+        position: [0.0; 3],
+        confidence: 0.0,
+    };
+    BodyLandmarks {
+        points: [landmark; BODY_LANDMARKS].into(),
+    }
 }
 
 /// Returns the body of a list of landmarks. An error states why it is not valid.
@@ -164,7 +213,7 @@ mod tests {
 
     fn parse(line: &str) -> Result<BodyLandmarks, PacketError> {
         let line: Line = serde_json::from_str(line)?;
-        body(line.pose_world_landmarks)
+        Ok(line.body()?.expect("a body"))
     }
 
     /// Returns a line whose last landmark is `last`.
@@ -204,8 +253,7 @@ mod tests {
             (line_with("[0,0,1e300]"), "out of range"),
             (line_with("[0,0,0,7.5]"), "from 0 to 1"),
             (line_with("[0,0,0,-0.1]"), "from 0 to 1"),
-            ("{\"pose_world_landmarks\":null}".into(), "null"),
-            ("{}".into(), "missing field"),
+            ("{}".into(), "neither `pose_world_landmarks` nor"),
             ("".into(), "EOF"),
             ("[".repeat(10_000), "invalid"),
             (
@@ -244,6 +292,32 @@ mod tests {
             );
             assert_eq!(decoder.pending_bytes(), 0);
         }
+    }
+
+    #[test]
+    fn an_image_without_a_person_shows_nothing_of_the_body_that_was_seen_before() {
+        let body = encode(&some_body());
+        let nobody = "{\"pose_world_landmarks\":null}\n";
+        let of_bridge = "{\"time_us\":5,\"image_size\":[640,480],\"hands\":[]}\n";
+        let mut decoder = decoder();
+        let mut visible = Vec::new();
+        for line in [nobody, of_bridge, body.as_str(), nobody, "{}\n"] {
+            decoder.push(line.as_bytes(), &mut |packet| {
+                let Sample::Body(shown) = packet.sample else {
+                    panic!("no body");
+                };
+                assert_eq!(shown.points.len(), BODY_LANDMARKS);
+                visible.push(shown.points.iter().any(|point| point.confidence > 0.0));
+            });
+        }
+        assert_eq!(visible, [true, false], "nothing before the body was seen");
+        assert_eq!(
+            decoder.stats().invalid.total(),
+            1,
+            "the line without fields"
+        );
+        decoder.reset();
+        decoder.push(nobody.as_bytes(), &mut |packet| panic!("{packet:?}"));
     }
 
     #[test]
