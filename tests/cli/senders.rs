@@ -177,6 +177,19 @@ fn a_datagram_that_is_understood_but_wrong_is_not_blamed_on_the_bit_rate() {
 }
 
 #[test]
+fn a_camera_that_sees_no_hand_is_not_blamed_on_its_protocol() {
+    let start = Instant::now();
+    let message = message_about("valid packet", "hand-landmarks", move || {
+        let time_us = start.elapsed().as_micros();
+        format!("{{\"time_us\":{time_us},\"hands\":[]}}").into_bytes()
+    });
+    assert!(
+        message.ends_with("none has shown an arm or hand for 2 s; check that it sees the hand"),
+        "{message}"
+    );
+}
+
+#[test]
 fn a_sender_whose_clock_counts_seconds_is_told_the_unit() {
     let line = text_lines("h")[0].trim_end().to_owned();
     let start = Instant::now();

@@ -235,7 +235,7 @@ impl<C: Connector> StreamSource<C> {
     fn judge_bytes(&mut self, now: Instant, has_packet: bool, length: usize) {
         if self.unknown.update(now, has_packet, &self.buffer[..length]) {
             let likely = self.unknown.likely_format(&self.format);
-            warnings::garbage(&self.name, self.decoder.last_error(), likely, &self.format);
+            warnings::garbage(&self.name, &*self.decoder, likely, &self.format);
         }
         if let Some(error) = self.decoder.last_error()
             && self.unknown.update_invalid(now, &self.decoder.stats())

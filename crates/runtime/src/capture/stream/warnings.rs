@@ -4,17 +4,20 @@ use std::time::Duration;
 
 use crate::capture::connection::Connector;
 use crate::capture::garbage::GarbageDetector;
-use crate::capture::protocol::{PacketError, StreamFormat};
+use crate::capture::protocol::{Decoder, PacketError, StreamFormat};
 use ademan_core::message::escape;
 
-/// Warns of bytes that form no packet. `error` is the reason of the decoder; `likely` states what the bytes look like, and what to
-/// do.
-pub fn garbage(
-    name: &str,
-    error: Option<&PacketError>,
-    likely: Option<String>,
-    format: &StreamFormat,
-) {
+/// Warns of bytes that form no packet. `likely` states what the bytes look like, and what to do.
+pub fn garbage(name: &str, decoder: &dyn Decoder, likely: Option<String>, format: &StreamFormat) {
+    let error = decoder.last_error();
+    let seconds = GarbageDetector::TIMEOUT.as_secs();
+    if format.baud.is_none() && likely.is_none() && error.is_none() && is_understood(decoder) {
+        tracing::warn!(
+            source = name,
+            "{name} sends valid packets, but none has shown an arm or hand for {seconds} s; check that it sees the hand"
+        );
+        return;
+    }
     let advice = match (likely, error) {
         (Some(likely), _) => format!("; it {likely}"),
         // A wrong bit rate changes bytes, so that any error may follow.
@@ -24,10 +27,15 @@ pub fn garbage(
     };
     tracing::warn!(
         source = name,
-        "no valid packet from {name} for {} s{}{advice}",
-        GarbageDetector::TIMEOUT.as_secs(),
+        "no valid packet from {name} for {seconds} s{}{advice}",
         reason(error)
     );
+}
+
+/// Returns `true` if bytes were read that are neither skipped nor pending: images without a hand are valid and give no packet.
+fn is_understood(decoder: &dyn Decoder) -> bool {
+    let stats = decoder.stats();
+    stats.bytes > stats.skipped_bytes + decoder.pending_bytes() as u64
 }
 
 /// Warns that most packets are invalid, for the reason of the latest one.
