@@ -192,6 +192,12 @@ fn the_delay_of_the_arm_is_measured_and_the_option_for_it_is_given() {
         swapped.out
     );
 
+    let empty = uri("empty.txt", vec!["no angles\n".to_owned()]);
+    let unseen = run(["delay", "--source", &fingers, "--arm-source", &empty]);
+    assert_eq!(unseen.code, Some(1));
+    let reason = "empty.txt?protocol=text-line&rate_hz=174.5 has shown no hand";
+    assert!(unseen.err.contains(reason), "{}", unseen.err);
+
     let one = run(["delay", "--source", &fingers]);
     assert_eq!(one.code, Some(2));
     assert!(

@@ -9,9 +9,13 @@ use ademan::estimate::{Estimator, EstimatorSettings, Smoothing};
 use ademan::message::escape;
 use ademan::setup::LoadedSetup;
 use ademan::time::Timestamp;
+use crossbeam_channel::RecvTimeoutError;
 
 use crate::failure::Failure;
 use crate::setup_args::{SetupArgs, number_in};
+
+/// The time for which a source may show nothing at first: a person starts the program that sends, or puts a headset on.
+const MAX_WAIT: Duration = Duration::from_secs(60);
 
 /// Measure the delay between two sources of one hand, from a movement that both see
 #[derive(clap::Args)]
@@ -46,11 +50,22 @@ pub fn run(args: Args) -> Result<(), Failure> {
         Record::start(&setup, source, start)?,
         Record::start(&setup, arm_source, start)?,
     ];
-    let end = start + Duration::from_secs_f64(args.seconds);
+    let mut end = start + MAX_WAIT;
+    let mut is_waiting = true;
     while Instant::now() < end && records.iter().any(|record| !record.has_ended) {
         for record in &mut records {
             record.receive()?;
         }
+        if is_waiting && records.iter().all(|record| record.has_shown) {
+            is_waiting = false;
+            end = Instant::now() + Duration::from_secs_f64(args.seconds);
+        }
+    }
+    if let Some(index) = records.iter().position(|record| !record.has_shown) {
+        return Err(Failure::job(format!(
+            "{} has shown no hand; start what sends to it, and keep the hand in view",
+            escape(&[source, arm_source][index].to_string())
+        )));
     }
     let [fingers, arm] = records;
     let delay = estimate_delay(&fingers.activity, &arm.activity).map_err(|error| {
@@ -83,6 +98,8 @@ struct Record {
     estimator: Estimator,
     activity: Activity,
     start: Instant,
+    /// `true` once a reading was accepted.
+    has_shown: bool,
     has_ended: bool,
 }
 
@@ -99,6 +116,7 @@ impl Record {
             estimator,
             activity: Activity::default(),
             start,
+            has_shown: false,
             has_ended: false,
         })
     }
@@ -112,7 +130,8 @@ impl Record {
                 received_at,
                 ..
             }) => self.push(&reading, received_at),
-            Ok(CaptureEvent::End(_)) => self.has_ended = true,
+            // A thread that is gone sends no end.
+            Ok(CaptureEvent::End(_)) | Err(RecvTimeoutError::Disconnected) => self.has_ended = true,
             Ok(CaptureEvent::Lost(error) | CaptureEvent::Failed(error)) => {
                 return Err(error.into());
             }
@@ -123,7 +142,7 @@ impl Record {
                 | CaptureEvent::Command(_)
                 | CaptureEvent::Readings { .. },
             )
-            | Err(_) => {}
+            | Err(RecvTimeoutError::Timeout) => {}
         }
         Ok(())
     }
@@ -136,6 +155,7 @@ impl Record {
         };
         if let Ok(estimate) = self.estimator.update(reading) {
             self.activity.push(time, estimate);
+            self.has_shown = true;
         }
     }
 }
