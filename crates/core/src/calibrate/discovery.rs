@@ -86,11 +86,16 @@ const PARTS: [(Part, Pose, Pose); 10] = [
 /// Returns the joint of each channel, with counts up to `full_scale`.
 ///
 /// # Errors
-/// Fails if no channel follows the index finger, without which nothing can be typed.
+/// Fails if no channel follows the index finger, without which nothing can be typed, or if a pose was skipped that shows it.
 pub fn discover(
     observations: &Observations,
     full_scale: u16,
 ) -> Result<Discovery, CalibrationError> {
+    for pose in [Pose::Flat, Pose::IndexBent] {
+        if observations.get(pose).is_none() {
+            return Err(CalibrationError::PoseSkipped { pose });
+        }
+    }
     let mut discovery = Discovery {
         rows: Vec::new(),
         unclear: Vec::new(),
@@ -295,5 +300,15 @@ mod tests {
         let observations = observe(&[&|_| 7.0]);
         let error = discover(&observations, 255).unwrap_err();
         assert!(error.to_string().contains("index finger"), "{error}");
+    }
+
+    #[test]
+    fn a_skipped_pose_of_the_index_finger_is_named() {
+        for pose in [Pose::Flat, Pose::IndexBent] {
+            let mut observations = observe(&[&|_| 7.0]);
+            observations.remove(pose);
+            let error = discover(&observations, 255).unwrap_err();
+            assert_eq!(error, CalibrationError::PoseSkipped { pose });
+        }
     }
 }

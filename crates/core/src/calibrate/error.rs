@@ -1,5 +1,6 @@
 //! Errors of a calibration.
 
+use super::pose::CalibrationPose;
 use super::problem::Problem;
 use crate::message::escape;
 
@@ -54,6 +55,14 @@ pub enum CalibrationError {
         "the recording has no readings of sensor channels; only gloves with channels are calibrated"
     )]
     NoChannels,
+    /// A pose was skipped without which the index finger of an unknown glove is not found.
+    #[error(
+        "the pose `{pose}` was skipped, and no channel of the index finger is found without it; repeat the poses and take it"
+    )]
+    PoseSkipped {
+        /// The pose.
+        pose: CalibrationPose,
+    },
     /// No channel of an unknown glove follows the index finger.
     #[error(
         "no channel changes when only the index finger bends, and nothing can be typed without it; check the wires, or repeat the poses with larger movements"
