@@ -31,12 +31,17 @@ impl<'m> Decoder<'m> {
         };
         let keys = self.keyboard.keys();
         let is_letter = |character: char| self.model.alphabet.symbol(character).is_some();
-        let letters = || keys.iter().filter(|key| is_letter(key.character));
-        let narrowest = letters().map(|key| key.size[0].min(key.size[1]));
+        let letters = keys
+            .iter()
+            .filter(|key| key.has_place() && is_letter(key.character));
+        let narrowest = letters.map(|key| key.size[0].min(key.size[1]));
         let width = narrowest.fold(f32::INFINITY, f32::min);
         // A finger passes over a key where the person taps it, as far as the hand has drifted.
         let center = |letter: char| {
             let index = self.keyboard.index(letter)?;
+            if !keys[index].has_place() {
+                return None;
+            }
             let mean = self.touch.spreads(&self.keyboard).nth(index)?.mean;
             let drift = self.touch.drift[usize::from(keys[index].hand.min(1))];
             Some([mean[0] + drift[0], mean[1] + drift[1]])
@@ -91,8 +96,38 @@ impl<'m> Decoder<'m> {
 mod tests {
     use super::*;
     use crate::build::Builder;
-    use crate::keyboard::{Key, Keyboard};
+    use crate::keyboard::{ELSEWHERE, Key, Keyboard};
     use crate::{Model, Options, Prior, TouchModel};
+
+    #[test]
+    fn a_letter_of_another_layer_is_swiped_over_the_key_of_its_plain_letter() {
+        let mut builder = Builder::new();
+        builder.words("niña").expect("a list");
+        let bytes = builder.build().expect("a model");
+        let places = [
+            ('n', [19.0, 38.0], 17.0),
+            ('i', [57.0, 0.0], 17.0),
+            ('a', [-38.0, 19.0], 17.0),
+            ('ñ', [ELSEWHERE; 2], 1.0),
+        ];
+        let keys = places.map(|(character, center, size)| Key {
+            character,
+            center,
+            size: [size; 2],
+            hand: 0,
+        });
+        let options = Options {
+            capitals: false,
+            ..Options::default()
+        };
+        let model = Model::from_bytes(&bytes).expect("a model");
+        let touch = TouchModel::new(Prior::default());
+        let decoder = Decoder::new(model, Keyboard::new(keys), touch, options);
+        let mut decoder = decoder.with_swipes();
+        let path = [[19.0, 38.0], [57.0, 0.0], [19.0, 38.0], [-38.0, 19.0]];
+        let found = decoder.swipe(&path, false);
+        assert_eq!(found.first().map(|first| first.text.as_str()), Some("niña"));
+    }
 
     #[test]
     fn a_path_is_expected_where_the_hand_has_drifted_to() {

@@ -84,9 +84,14 @@ impl Swipes {
         let mut known: Vec<usize> = Vec::new();
         let apostrophe = model.alphabet.symbol('\'');
         let letters = model.alphabet.letters().iter();
+        // A letter of another layer has no key to pass over, but its plain letter may have one.
+        let placed = |letter: char| {
+            let index = keyboard.index(letter)?;
+            keyboard.keys()[index].has_place().then_some(index)
+        };
         let keys: Vec<Option<u8>> = letters
             .map(|&letter| {
-                let key = keyboard.index(letter).or(keyboard.index(plain(letter)))?;
+                let key = placed(letter).or_else(|| placed(plain(letter)))?;
                 if letter == '\'' {
                     return None;
                 }
