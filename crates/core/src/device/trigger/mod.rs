@@ -107,7 +107,8 @@ struct HandMemory {
 struct HandTrigger {
     trigger: Trigger,
     side: Side,
-    /// `true` for an angle of the body, which the readings of both hands have: it belongs to the hand that shows it first.
+    /// `true` for an angle of the body, which the readings of both hands have, and for a sequence of such angles: it belongs to the hand
+    /// that shows it first.
     is_shared: bool,
     emitter: ValueEmitter,
     switch: Switch,
@@ -176,6 +177,7 @@ impl VirtualDevice for Triggers {
             trigger.process(measurement, hand, input.pose.time, out);
         }
         for sequence in &mut self.sequences {
+            sequence.update_side(&self.triggers);
             if sequence.trigger.side != input.pose.side {
                 continue;
             }
@@ -311,9 +313,69 @@ impl HandMemory {
 mod tests {
     use super::*;
     use crate::contact::surface::Scene;
-    use crate::device::{Axis, EventKind, Events, KeyArbiter, OutputEvent, TimedCommands};
-    use crate::hand::{InputValues, JointAngles};
+    use crate::device::{Axis, EventKind, Events, KeyArbiter, OutputEvent, TextId, TimedCommands};
+    use crate::hand::{BodyAngle, InputValues, JointAngles};
     use crate::kinematics::HandPose;
+
+    #[test]
+    fn a_sequence_of_angles_of_the_body_acts_once_with_two_hands() {
+        let trigger = |target: u32, measure: Measure, on: f32, off: f32| Trigger {
+            target: TargetId(target),
+            side: None,
+            held: None,
+            measure,
+            on,
+            off,
+            hold: Duration::ZERO,
+            cool_down: Duration::ZERO,
+            range: None,
+            action: None,
+            output: ValueOutput::ValueOnly,
+        };
+        let yaw = Measure::Body(BodyAngle::HeadYaw);
+        let steps = Measure::Sequence(Steps {
+            targets: [Some(TargetId(0)), Some(TargetId(1)), None, None],
+            within: Duration::from_secs(1),
+        });
+        let mut triggers = Triggers::new([
+            trigger(0, yaw, -0.3, -0.2),
+            trigger(1, yaw, 0.3, 0.2),
+            Trigger {
+                action: Some(KeyAction::Text(TextId(0))),
+                ..trigger(2, steps, 1.0, 0.9)
+            },
+        ]);
+        let mut arbiter = KeyArbiter::new(vec!["x".to_owned()]);
+        let mut characters = 0;
+        for (step, turn) in [0.0, -0.4, 0.0, 0.4, 0.0].into_iter().enumerate() {
+            for &side in Side::ALL {
+                let mut inputs = InputValues::default();
+                inputs.set_angle(BodyAngle::HeadYaw, turn);
+                let time = Timestamp(step as u64 * 100_000);
+                let input = DeviceInput {
+                    scene: &Scene::new(),
+                    angles: &JointAngles::default(),
+                    bends: &Default::default(),
+                    inputs: &inputs,
+                    pose: &HandPose::new(time, side, 0.005),
+                    touches: &[],
+                    presses: &[],
+                };
+                let mut events = Events::new();
+                let mut out = DeviceOutput {
+                    arbiter: &mut arbiter,
+                    events: &mut events,
+                    commands: &mut TimedCommands::new(),
+                };
+                triggers.update(&input, &mut out);
+                let kinds = events.iter().map(|event| event.kind);
+                characters += kinds
+                    .filter(|kind| matches!(kind, EventKind::Character(_)))
+                    .count();
+            }
+        }
+        assert_eq!(characters, 1);
+    }
 
     #[test]
     fn the_axis_of_an_input_that_is_lost_returns_to_0_in_the_next_step_with_room() {

@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use arrayvec::ArrayVec;
 
-use super::{HandTrigger, Measure};
+use super::{HandTrigger, Measure, Trigger};
 use crate::contact::TargetId;
+use crate::hand::Side;
 use crate::time::Timestamp;
 
 /// The maximum number of steps of a sequence.
@@ -36,7 +37,7 @@ pub(super) struct HandSequence {
 }
 
 impl HandSequence {
-    /// Creates the sequence of a trigger; `None` if it is none.
+    /// Creates the sequence of a trigger; `None` if it is none, or if it is the sequence of the other hand, too.
     pub(super) fn new(trigger: &HandTrigger, triggers: &[HandTrigger]) -> Option<Self> {
         let Measure::Sequence(steps) = trigger.trigger.measure else {
             return None;
@@ -48,14 +49,37 @@ impl HandSequence {
             })
         };
         let indices: Option<ArrayVec<usize, MAX_STEPS>> = targets.map(index_of).collect();
+        let indices = indices.unwrap_or_default();
+        let Trigger { side, held, .. } = trigger.trigger;
+        // Both hands would do the steps of the body at once, and act twice. Each hand holds buttons of its own.
+        let is_shared = side.is_none()
+            && held.is_none()
+            && indices.iter().all(|&index| triggers[index].is_shared);
+        if is_shared && trigger.side != Side::ALL[0] {
+            return None;
+        }
         Some(Self {
-            trigger: trigger.clone(),
-            steps: indices.unwrap_or_default(),
+            trigger: HandTrigger {
+                is_shared,
+                ..trigger.clone()
+            },
+            steps: indices,
             within: steps.within,
             done: 0,
             last: Timestamp(0),
             were_on: 0,
         })
+    }
+
+    /// Gives a sequence of the body to the hand that shows its first step.
+    pub(super) fn update_side(&mut self, triggers: &[HandTrigger]) {
+        let trigger = &mut self.trigger;
+        if let Some(&first) = self.steps.first()
+            && trigger.is_shared
+            && trigger.switch.is_unknown()
+        {
+            trigger.side = triggers[first].side;
+        }
     }
 
     /// Returns the fraction of steps that were done, or `None` if a step is not known: then it begins again.
