@@ -325,6 +325,17 @@ fn a_gap_after_stop_does_not_restart_the_pipeline() {
 }
 
 #[test]
+fn a_lost_source_after_stop_does_not_restart_the_pipeline() {
+    let mut wearer = Wearer::armed();
+    wearer.pipeline.stop(&mut Events::new());
+    wearer.pipeline.lose(None, None, &mut Events::new());
+    wearer.hover_for(1_000);
+    wearer.press_for(300);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stopped);
+    assert_eq!(wearer.take_transcript(), "");
+}
+
+#[test]
 fn a_new_layout_releases_everything_and_a_finger_in_a_key_must_leave_it() {
     let mut wearer = Wearer::armed();
     wearer.press_for(300);

@@ -64,6 +64,9 @@ impl Pipeline {
     /// Releases what a hand holds because the source of it, or of a part of it, was lost. The other hand, and what the other
     /// part drives, continue. Everything [stalls](Self::stall) if nothing is left.
     pub fn lose(&mut self, side: Option<Side>, part: Option<HandPart>, events: &mut Events) {
+        if self.state == PipelineState::Stopped {
+            return;
+        }
         let expected_readings = self.expects_readings();
         for index in 0..self.hands.len() {
             if side.is_none_or(|side| side == self.hands[index].side()) {
