@@ -2,10 +2,11 @@
 
 mod support;
 
-use ademan_text::Options;
+use ademan_text::correction::Restored;
 use ademan_text::languages::{ENGLISH, SPANISH};
-use support::field::Field;
-use support::simulated::full_keyboard;
+use ademan_text::{Corrector, Mode, Options};
+use support::field::{Field, english};
+use support::simulated::{full_keyboard, keyboard};
 
 /// Returns what a field has after a text that was tapped in the middle of the keys.
 fn typed(language: &[u8], text: &str, capitals: bool) -> String {
@@ -111,6 +112,22 @@ fn a_capital_follows_a_mark_and_a_space_only() {
     ] {
         assert_eq!(typed(ENGLISH, text, true), shown);
     }
+}
+
+#[test]
+fn a_capital_of_a_swiped_word_follows_a_mark_that_is_final_and_a_space() {
+    let bytes = english();
+    let mut field = Field::on(&bytes, keyboard(), Options::default());
+    let decoder = field.corrector.decoder().clone().with_swipes();
+    field.corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
+    let rest = "cat sat the cat sat the cat sat the wisdom of the world.";
+    field.types(&format!("the {rest}"));
+    assert_eq!(field.corrector.decoder().taps(), 0, "it is final");
+    field.types(" ");
+    field.swipes("quick");
+    assert_eq!(field.text, format!("The {rest} Quick "));
+    field.backspace();
+    assert_eq!(field.text, format!("The {rest} "));
 }
 
 #[test]

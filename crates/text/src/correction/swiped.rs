@@ -28,7 +28,8 @@ impl Corrector<'_> {
         self.shown.pop();
         let has_space = self.shown.ends_with(|last| !ends_word(last));
         let is_inside = has_space || self.is_partial;
-        if self.shown.is_empty() {
+        if self.shown.trim_end().is_empty() {
+            // A space behind a text that is final says nothing more about it.
             self.decoder.start_behind(self.decoder.before());
         } else {
             // The text before is final.
