@@ -250,6 +250,10 @@ impl Keyboard {
     /// Presses the gathered keys: as chords, and those that are left on their own.
     pub(super) fn press_gathered(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let gathered = std::mem::take(&mut self.chords.gathered);
+        if !gathered.is_empty() {
+            // What another key holds from now on may be the layer of the chords.
+            self.hold_pending(time, out);
+        }
         let mut left = gathered.iter().fold(0, |set, press| set | press.key);
         while let Some((keys, action, activation)) =
             self.chords.largest_within(left, out.arbiter.active_layer())
