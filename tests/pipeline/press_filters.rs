@@ -1,10 +1,13 @@
 //! Filters of presses in the whole pipeline: a simulated hand types through them.
 
+use std::sync::mpsc;
+
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::command::CommandOrigin;
 use ademan::device::{EventKind, Events, KeyCode, OutputEvent};
-use ademan::pipeline::PressFilter;
+use ademan::hand::Side;
 use ademan::pipeline::press_filter::FilterInput;
+use ademan::pipeline::{LayoutInstance, PressFilter};
 use ademan::setup::Setup;
 use ademan::sim::UsTextField;
 
@@ -72,6 +75,26 @@ impl PressFilter for Fill {
     fn reset(&mut self) {}
 }
 
+/// Reports the candidates that are chosen, and swipes all the time or never.
+struct Chosen {
+    numbers: mpsc::Sender<u8>,
+    is_swiping: bool,
+}
+
+impl PressFilter for Chosen {
+    fn filter(&mut self, _: &FilterInput, _: &mut Events) {}
+
+    fn reset(&mut self) {}
+
+    fn choose(&mut self, number: u8) {
+        self.numbers.send(number).expect("a receiver");
+    }
+
+    fn ignores_presses(&self, side: Side) -> bool {
+        self.is_swiping && side == Side::Right
+    }
+}
+
 /// Types a text with a filter, and pauses after this number of readings. Returns the text, the events and the keys that stay down.
 fn typed(text: &str, filter: Box<dyn PressFilter>, pause_after: usize) -> (String, usize, usize) {
     let setup = Setup::default().load_files().expect("the shipped layout");
@@ -135,4 +158,32 @@ fn a_pause_for_whose_releases_there_is_no_room_releases_in_the_next_step() {
         pressed += presses;
     }
     assert!(pressed > 0);
+}
+
+#[test]
+fn a_hand_that_swipes_takes_no_candidate() {
+    let setup = Setup {
+        layout: "qwerty-swipe".into(),
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("the shipped layout");
+    for (is_swiping, expected) in [(false, vec![2_u8]), (true, Vec::new())] {
+        let (numbers, chosen) = mpsc::channel();
+        let filter = Chosen {
+            numbers,
+            is_swiping,
+        };
+        let layout = LayoutInstance::from_layout(&setup.layout);
+        let mut layout = layout.with_filter(Some(Box::new(filter)));
+        let mut pipeline = setup.pipeline();
+        pipeline.replace_profile(0, &mut layout, &mut Events::new());
+        let hand = setup.scripted("tap candidate-2", &Hc11Format::default(), 0.0, 0);
+        let mut hand = hand.expect("a script");
+        while let Ok(SourceEvent::Reading(reading)) = hand.next() {
+            let step = pipeline.step(&reading, &mut Events::new());
+            step.expect("a clear reading");
+        }
+        let chosen: Vec<u8> = chosen.try_iter().collect();
+        assert_eq!(chosen, expected);
+    }
 }

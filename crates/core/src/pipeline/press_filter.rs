@@ -69,6 +69,12 @@ pub trait PressFilter: Send {
     /// Takes candidate `number`, from 1, in place of the word that is typed, in the next step that [may type](FilterInput::may_type).
     fn choose(&mut self, _number: u8) {}
 
+    /// Returns `true` if a finger of this hand swipes over the keys, so that its hand presses none, takes no candidate and changes no
+    /// mode.
+    fn ignores_presses(&self, _side: Side) -> bool {
+        false
+    }
+
     /// Returns what displays show of it, if it decodes text.
     fn text_state(&self) -> Option<&TextState> {
         None

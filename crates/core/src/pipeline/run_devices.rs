@@ -28,6 +28,12 @@ impl Pipeline {
         let layout = &mut self.profiles[self.active_profile].layout;
         let output = &mut self.hands[index].output;
         let dropped = layout.update_devices(output, rules, events);
+        let side = output.pose.side;
+        if layout.filter().is_some_and(|it| it.ignores_presses(side)) {
+            // A candidate would take the place of the word that is swiped.
+            let commands = &mut output.commands;
+            commands.retain(|issued| !issued.command.is_typing());
+        }
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
         let replacing = layout.take_replacing_presses();

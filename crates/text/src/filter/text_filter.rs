@@ -16,6 +16,7 @@ use super::stroke::{Progress, Stroke};
 use ademan_core::command::TextMode;
 use ademan_core::device::pressed_keys::PressedKeys;
 use ademan_core::device::{EventKind, Events, KeyCode, OutputEvent};
+use ademan_core::hand::Side;
 use ademan_core::pipeline::press_filter::{CandidateText, FilterInput};
 use ademan_core::pipeline::{PressFilter, TextState};
 use ademan_core::time::Timestamp;
@@ -97,7 +98,7 @@ impl TextFilter {
     fn remember_presses(&mut self, input: &FilterInput) {
         self.evidence
             .retain(|press| input.time.since(press.time) < EVIDENCE_TIME);
-        let is_swiping = self.is_swiping(input);
+        let is_swiping = self.ignores_presses(input.side);
         let is_typing = input.may_type && !is_swiping;
         for press in input.presses.iter().filter(|_| is_typing) {
             let Some((character, position)) = self.keys.locate(press) else {
@@ -113,12 +114,6 @@ impl TextFilter {
                 time: press.time,
             });
         }
-    }
-
-    /// Returns `true` if a finger of the hand swipes, so that its hand presses no keys.
-    fn is_swiping(&self, input: &FilterInput) -> bool {
-        let stroke = self.stroke.as_ref();
-        stroke.is_some_and(|stroke| stroke.is_swipe && stroke.side == input.side)
     }
 
     /// Follows the finger of a stroke. Returns `true` if it was lifted.
@@ -339,7 +334,7 @@ impl PressFilter for TextFilter {
             self.follow_literal(input, events);
             return;
         }
-        let was_swiping = self.is_swiping(input);
+        let was_swiping = self.ignores_presses(input.side);
         self.remember_presses(input);
         let is_lifted = self.follow_stroke(input);
         let is_pending = self.corrector.is_pending() || self.is_spaced;
@@ -468,6 +463,11 @@ impl PressFilter for TextFilter {
 
     fn choose(&mut self, number: u8) {
         self.choice = Some(number);
+    }
+
+    fn ignores_presses(&self, side: Side) -> bool {
+        let stroke = self.stroke.as_ref();
+        stroke.is_some_and(|stroke| stroke.is_swipe && stroke.side == side)
     }
 
     fn text_state(&self) -> Option<&TextState> {
