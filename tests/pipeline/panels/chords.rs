@@ -151,9 +151,11 @@ fn a_chord_key_can_be_a_tap_hold_key() {
 fn a_chord_is_in_the_layer_of_a_tap_hold_key_that_it_turns_into_a_hold() {
     let keys = r#"rows: [(at_mm: (0, 0), keys: "J K", pitch_mm: 30)],
         keys: [(code: "F", hold: (layer: "move"), at_mm: (0, 30))]"#;
-    let fields = r#"chords: [(keys: "J K", action: Key("Escape"))],
-        layers: [(name: "move", chords: [(keys: "J K", action: Key("Home"))])]"#;
     let script = "index J up & middle K up & thumb F up; thumb F down; \
                   index J down & middle K down; wait 60; index J up & middle K up; thumb F up";
-    assert_eq!(simulate_layout(keys, fields, script), "dn:Home up:Home");
+    for in_base_layer in [r#"chords: [(keys: "J K", action: Key("Escape"))],"#, ""] {
+        let in_layer = r#"layers: [(name: "move", chords: [(keys: "J K", action: Key("Home"))])]"#;
+        let fields = format!("{in_base_layer} {in_layer}");
+        assert_eq!(simulate_layout(keys, &fields, script), "dn:Home up:Home");
+    }
 }

@@ -233,7 +233,10 @@ impl Keyboard {
             let press = GatheredPress { key, touch: *touch };
             // Each finger has one press at most, so there is room.
             let _ = self.chords.gathered.try_push(press);
-            if !self.chords.may_grow(out.arbiter.active_layer()) {
+            let active = out.arbiter.active_layer();
+            // A chord turns a pending key into a hold, which may be the layer of the chord.
+            let held = self.pending.iter().filter_map(PendingPress::held_layer);
+            if !held.chain([active]).any(|it| self.chords.may_grow(it)) {
                 self.press_gathered(touch.time, out);
             }
         }

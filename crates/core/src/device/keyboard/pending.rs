@@ -41,6 +41,14 @@ impl PendingPress {
             hold,
         })
     }
+
+    /// Returns the layer that it holds when it becomes a hold, if any.
+    pub(super) fn held_layer(&self) -> Option<usize> {
+        match self.hold?.1 {
+            KeyAction::Layer(layer, _) => Some(layer),
+            _ => None,
+        }
+    }
 }
 
 /// Returns `true` if an action only has an effect while it is pressed, so that it cannot be pending.
