@@ -5,6 +5,7 @@ mod support;
 use ademan_text::correction::Restored;
 use ademan_text::{Mode, Options};
 use support::field::{Field, english};
+use support::simulated::keyboard;
 
 fn field<'m>(bytes: &'m [u8], words: &[&str]) -> Field<'m> {
     let words: Vec<String> = words.iter().map(|&word| word.to_owned()).collect();
@@ -80,6 +81,19 @@ fn an_unknown_word_is_one_of_the_person_after_its_third_use() {
     field.text.clear();
     slip(&mut field, "of rocke", ['y', 't']);
     assert!(field.text.ends_with("f rocket "), "{}", field.text);
+}
+
+#[test]
+fn a_word_that_starts_sentences_is_learned_without_their_capital() {
+    let bytes = english();
+    let mut field = Field::on(&bytes, keyboard(), Options::default());
+    let more = "the wisdom of the world and the cat sat. the wisdom of the world. ";
+    for _ in 0..3 {
+        field.types("rocket of the world. ");
+        field.types(more);
+    }
+    assert!(field.text.contains("Rocket of "), "{}", field.text);
+    assert!(field.corrector.restored().words().eq(["rocket"]));
 }
 
 #[test]

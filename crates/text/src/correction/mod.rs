@@ -29,6 +29,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::decoder::{Candidate, Decoder, MAX_TAPS, same_letters};
 use crate::keyboard::Tap;
+use crate::model::ends_sentence;
 use names::Names;
 pub use restored::Restored;
 use swiped::Swiped;
@@ -207,17 +208,19 @@ impl<'m> Corrector<'m> {
 
     /// Counts the whole words of the text in the field, which is final. One that the lexicon lacks becomes one of the person's words
     /// after a few uses. The decoder has no hypotheses then: a new word moves the others.
-    fn count_words(&mut self) {
+    fn count_words(&mut self, mut starts_sentence: bool) {
         let whole = self.shown.rfind(ends_word).unwrap_or(0);
-        let words = self.shown[..whole].split(ends_word);
-        for word in words.filter(|word| !word.is_empty()) {
-            if self.decoder.model().find(word).is_some() {
-                continue;
-            }
-            if let Some(name) = self.names.count(word) {
+        for piece in self.shown[..whole].split_inclusive(ends_word) {
+            let word = piece.trim_end_matches(ends_word);
+            if !word.is_empty()
+                && self.decoder.model().find(word).is_none()
+                && let Some(name) = self.names.count(word, starts_sentence)
+            {
                 self.restored.add(&name);
                 self.decoder.add_own_word(&name);
             }
+            starts_sentence &= word.is_empty();
+            starts_sentence |= piece.ends_with(ends_sentence);
         }
     }
 
@@ -229,9 +232,10 @@ impl<'m> Corrector<'m> {
 
     /// Leaves the text as it is, learns the person from it, and starts at the beginning of a word behind text that is not known.
     pub fn start_word(&mut self) {
+        let starts_sentence = self.decoder.starts_sentence();
         if self.learn() {
             self.decoder.start_anywhere();
-            self.count_words();
+            self.count_words(starts_sentence);
         }
         self.drop_pending();
         self.is_partial = false;
@@ -300,8 +304,9 @@ impl<'m> Corrector<'m> {
         let taps = self.decoder.taps();
         if taps >= SETTLED_TAPS && is_clear || taps >= 2 * SETTLED_TAPS {
             // The shown text is final; the person is learned from the text that was most probably meant.
+            let starts_sentence = self.decoder.starts_sentence();
             self.decoder.commit();
-            self.count_words();
+            self.count_words(starts_sentence);
             self.shown.clear();
         }
     }
@@ -314,8 +319,9 @@ impl<'m> Corrector<'m> {
         let is_clear = self.target.ends_with(ends_word);
         if is_clear && !self.replace() {
             // A word that stays as it was typed is not evidence for what follows.
+            let starts_sentence = self.decoder.starts_sentence();
             self.decoder.commit_typed();
-            self.count_words();
+            self.count_words(starts_sentence);
             self.shown.clear();
         }
         is_clear

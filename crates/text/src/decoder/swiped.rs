@@ -84,6 +84,11 @@ impl<'m> Decoder<'m> {
         }
     }
 
+    /// Returns `true` if the text since the last commit starts a sentence.
+    pub(crate) fn starts_sentence(&self) -> bool {
+        self.starts_sentence
+    }
+
     /// Drops all taps, without learning, and goes on behind a known text.
     pub(crate) fn start_behind(&mut self, before: Before) {
         self.row = before.row;
