@@ -41,7 +41,8 @@ pub(super) fn append(
         return false;
     };
     // Releases precede presses, so the release of a held Shift cannot follow a press of this step.
-    let is_pressed = |event: &OutputEvent| !matches!(event.kind, EventKind::KeyUp(_));
+    let is_pressed =
+        |event: &OutputEvent| matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_));
     let releases_first = matches!(kinds.first(), Some(EventKind::KeyUp(_)));
     if releases_first && events.iter().any(is_pressed) {
         return false;

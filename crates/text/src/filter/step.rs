@@ -131,18 +131,23 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ademan_core::contact::TargetId;
     use ademan_core::layout::Layout;
 
     fn key(name: &str) -> KeyCode {
         name.parse().expect("the name of a key")
     }
 
-    #[test]
-    fn letters_behind_the_pressed_one_are_typed_with_it() {
+    fn phone_keys() -> TextKeys {
         let mut shipped = Layout::shipped().expect("valid layouts").into_iter();
         let found = shipped.find(|(name, _)| *name == "phone-pad");
         let (_, layout) = found.expect("a layout");
-        let keys = TextKeys::new(&layout, false).expect("letters");
+        TextKeys::new(&layout, false).expect("letters")
+    }
+
+    #[test]
+    fn letters_behind_the_pressed_one_are_typed_with_it() {
+        let keys = phone_keys();
         let [first, second] = ["M", "A"].map(key);
         let none = PressedKeys::default();
         let mut step = Step::new(&none, &none, 0);
@@ -156,5 +161,24 @@ mod tests {
         let tap = |code| [EventKind::KeyDown(code), EventKind::KeyUp(code)];
         assert_eq!(kinds, [tap(first), tap(second)].concat());
         assert!(step.tapped.contains(first), "its release is left out");
+    }
+
+    #[test]
+    fn a_shift_that_is_held_comes_up_for_edits_behind_values_but_not_behind_presses() {
+        let keys = phone_keys();
+        let mut held = PressedKeys::default();
+        held.press(KeyCode::SHIFT_LEFT);
+        let time = Timestamp(1_000);
+        for (kind, is_appended) in [
+            (EventKind::Value(TargetId(0), 0.5), true),
+            (EventKind::Depth(TargetId(0), 0.5), true),
+            (EventKind::KeyDown(key("X")), false),
+        ] {
+            let mut step = Step::new(&held, &PressedKeys::default(), 0);
+            step.push(OutputEvent { time, kind });
+            let edits = [Edit::Backspace, Edit::Type('a')];
+            assert_eq!(step.append(&edits, &keys, time), is_appended, "{kind:?}");
+            assert_eq!(step.events.len() > 1, is_appended, "{kind:?}");
+        }
     }
 }
