@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use ademan::document::Document;
 use ademan::hand::Dof;
+use ademan::setup::SmoothingSetup;
 use ademan::studio::texts::text;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -28,9 +29,13 @@ pub struct OwnGlove {
 
 impl OwnGlove {
     fn open() -> Self {
+        Self::with_text(&shipped())
+    }
+
+    fn with_text(glove: &str) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("mine.ron");
-        fs::write(&path, shipped()).expect("the file can be written");
+        fs::write(&path, glove).expect("the file can be written");
         let mut opening = Opening::default();
         opening.setup.glove = Some(path.display().to_string());
         Self {
@@ -144,6 +149,34 @@ fn a_number_that_is_left_as_it_was_does_not_change_the_file() {
         assert!(!window.is_enabled(text("glove-save")), "{field}");
         assert!(!window.is_enabled(text("glove-undo")), "{field}");
     }
+}
+
+#[test]
+fn a_number_of_the_glove_beyond_its_field_is_shown_without_a_change() {
+    let wide = ELBOW_VALUES.replace("full_scale_rad: 2.5", "full_scale_rad: 60.0");
+    let glove = shipped().replace(ELBOW_VALUES, &wide);
+    assert_ne!(glove, shipped());
+    let mut own = OwnGlove::with_text(&glove);
+    let window = &mut own.window;
+    window.click(text("joint-elbow"));
+    window.draw(3);
+    assert!(window.has(text("value-gain")), "the values are shown");
+    assert!(!window.is_enabled(text("glove-save")));
+    assert!(!window.is_enabled(text("glove-undo")));
+}
+
+#[test]
+fn a_filter_of_the_setup_is_shown_without_a_change() {
+    let mut opening = Opening::default();
+    opening.setup.smoothing = SmoothingSetup::OneEuro {
+        min_cutoff_hz: 60.0,
+        beta: 100.0625,
+        derivative_cutoff_hz: 4.0,
+    };
+    let mut window = opening.open();
+    window.draw(3);
+    let setting = "smoothing: OneEuro(min_cutoff_hz: 60, beta: 100.0625, derivative_cutoff_hz: 4)";
+    assert!(window.has(setting));
 }
 
 /// Asks the window to close, as the desktop does. Returns `true` if it does.

@@ -1,12 +1,13 @@
 //! The filter: its choice, and one angle before and after it with the lag between both.
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use eframe::egui::{self, Color32, DragValue, Pos2, Stroke};
 
 use crate::filter_trace::{FilterSample, FilterTrace, SECONDS};
 use crate::joint_names::joint_name;
-use crate::panels::{PanelContext, typed_number};
+use crate::panels::{PanelContext, is_other_number, typed_number};
 use crate::sensor_control::SensorControl;
 use crate::texts::{text, text_with};
 use ademan_core::estimate::{OneEuroSettings, Smoothing};
@@ -16,6 +17,13 @@ const PLOT_HEIGHT: f32 = 90.0;
 
 /// Smallest range of the plot, in degrees.
 const MIN_RANGE: f64 = 10.0;
+
+/// Ranges of a cutoff in Hz, and of its increase with the speed, as a setup file has them: no filter of a setup is beyond them.
+const CUTOFFS_HZ: RangeInclusive<f64> = 1e-3..=1e4;
+const BETAS: RangeInclusive<f64> = 0.0..=1e4;
+
+/// Decimals of a number that is shown.
+const DECIMALS: usize = 3;
 
 const RAW: Color32 = Color32::from_rgb(0x8a, 0x93, 0xa3);
 const FILTERED: Color32 = Color32::from_rgb(0x2f, 0x8f, 0xd0);
@@ -77,27 +85,35 @@ fn show_choice(ui: &mut egui::Ui, smoothing: Smoothing) -> Smoothing {
         }
     });
     if let Smoothing::OneEuro(settings) = &mut new {
+        let old = *settings;
         ui.horizontal_wrapped(|ui| {
             let cutoff = DragValue::new(&mut settings.min_cutoff_hz)
-                .range(0.1..=50.0)
+                .range(CUTOFFS_HZ)
                 .custom_parser(typed_number)
                 .speed(0.02)
-                .max_decimals(2)
+                .max_decimals(DECIMALS)
                 .suffix(" Hz");
             let label = ui
                 .label(text("filter-cutoff"))
                 .on_hover_text(text("filter-cutoff-hint"));
             ui.add(cutoff).labelled_by(label.id);
             let beta = DragValue::new(&mut settings.beta)
-                .range(0.0..=50.0)
+                .range(BETAS)
                 .custom_parser(typed_number)
                 .speed(0.05)
-                .max_decimals(2);
+                .max_decimals(DECIMALS);
             let beta_label = ui
                 .label(text("filter-beta"))
                 .on_hover_text(text("filter-beta-hint"));
             ui.add(beta).labelled_by(beta_label.id);
         });
+        // A field that is left without a change rounds its number to what it shows.
+        if !is_other_number(old.min_cutoff_hz, settings.min_cutoff_hz, DECIMALS) {
+            settings.min_cutoff_hz = old.min_cutoff_hz;
+        }
+        if !is_other_number(old.beta, settings.beta, DECIMALS) {
+            settings.beta = old.beta;
+        }
     }
     new
 }

@@ -1,5 +1,7 @@
 //! The values of a channel: gain and offset of its joints, direction and range.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{self, DragValue};
 
 use crate::glove_editor::{GloveEditor, MAX_FULL_RANGE_DEG, MIN_FULL_RANGE_DEG};
@@ -11,6 +13,15 @@ use crate::texts::text;
 
 /// Decimals of a number that is shown.
 const DECIMALS: usize = 1;
+
+/// Creates a number with a range. A value of the file beyond the range stays until it is changed.
+fn number(value: &mut f64, range: RangeInclusive<f64>) -> DragValue<'_> {
+    DragValue::new(value)
+        .range(range)
+        .clamp_existing_to_range(false)
+        .custom_parser(typed_number)
+        .max_decimals(DECIMALS)
+}
 
 pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext, row: &SensorRow) {
     let full_scale = f64::from(context.session.sensors.full_scale());
@@ -54,10 +65,7 @@ fn show_joint(
         ui.strong(joint_name(joint.dof));
         ui.end_row();
     }
-    let value = DragValue::new(&mut range)
-        .range(MIN_FULL_RANGE_DEG..=MAX_FULL_RANGE_DEG)
-        .custom_parser(typed_number)
-        .max_decimals(DECIMALS)
+    let value = number(&mut range, MIN_FULL_RANGE_DEG..=MAX_FULL_RANGE_DEG)
         .speed(0.5)
         .suffix("°");
     let label = ui
@@ -68,11 +76,7 @@ fn show_joint(
         sensors.edit(|edited| edited.set_full_range_deg(row, range));
     }
     ui.end_row();
-    let zero_value = DragValue::new(&mut zero)
-        .range(-full_scale..=2.0 * full_scale)
-        .custom_parser(typed_number)
-        .max_decimals(DECIMALS)
-        .speed(0.2);
+    let zero_value = number(&mut zero, -full_scale..=2.0 * full_scale).speed(0.2);
     let zero_label = ui
         .label(text("value-offset"))
         .on_hover_text(text("value-offset-hint"));
@@ -134,9 +138,5 @@ fn show_range(ui: &mut egui::Ui, sensors: &mut SensorControl, channel: usize, fu
 }
 
 fn end(count: &mut f64, full_scale: f64) -> DragValue<'_> {
-    DragValue::new(count)
-        .range(0.0..=full_scale)
-        .custom_parser(typed_number)
-        .max_decimals(DECIMALS)
-        .speed(0.2)
+    number(count, 0.0..=full_scale).speed(0.2)
 }
