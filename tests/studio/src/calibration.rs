@@ -114,6 +114,10 @@ fn a_calibration_that_is_quit_changes_nothing_and_ends_its_pause() {
     assert_ne!(wanted(&window), first, "skipped");
     window.press_key(egui::Key::R);
     assert_eq!(wanted(&window), first, "taken again");
+    let keys = egui::Modifiers::CTRL | egui::Modifiers::COMMAND;
+    window.harness.key_press_modifiers(keys, egui::Key::S);
+    window.draw(3);
+    assert_eq!(wanted(&window), first, "Ctrl-S skips nothing");
     window.press_key(egui::Key::Q);
     assert!(window.has(text("calibration-start")));
     window.wait_for("a session that goes on", |model| {
@@ -140,4 +144,24 @@ fn a_session_that_was_paused_before_a_calibration_is_paused_after_it() {
         window.wait_for_readings(total);
     }
     assert!(window.model().view.state.paused_by.is_some());
+}
+
+#[test]
+fn a_calibration_keeps_its_letters_from_the_window_only_in_its_tab() {
+    let person = Person::default();
+    let mut window = open(&person, "unam-hc11");
+    window.click(text("calibration-start"));
+    window.wait_for("a paused session", |model| {
+        model.view.state.paused_by.is_some()
+    });
+    window.press_key(egui::Key::F1);
+    assert!(window.has(text("keys-orbit")), "the list of keys");
+    window.press_key(egui::Key::Escape);
+    window.press_key(egui::Key::P);
+    assert!(window.model().view.state.paused_by.is_some());
+    window.click(text("workspace-lab"));
+    window.press_key(egui::Key::P);
+    window.wait_for("a session that goes on", |model| {
+        model.view.state.paused_by.is_none()
+    });
 }

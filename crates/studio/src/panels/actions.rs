@@ -3,7 +3,7 @@
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers, Ui};
 
 use super::table::{SCOPE, SENSORS};
-use super::{PanelContext, PanelState};
+use super::{PanelContext, PanelState, Workspace};
 use crate::camera::Viewpoint;
 use crate::model::StudioModel;
 use crate::texts::text;
@@ -35,7 +35,7 @@ pub(super) struct ActionSpec {
     pub name: &'static str,
     pub hint: &'static str,
     shortcut: KeyboardShortcut,
-    /// The shortcut acts while words are edited.
+    /// The shortcut acts while words are edited, and during a calibration.
     is_global: bool,
 }
 
@@ -247,11 +247,13 @@ fn move_focus(ui: &Context, state: &mut PanelState, step: isize) {
     ui.memory_mut(|memory| memory.request_focus(state.panel_ids[index]));
 }
 
-/// Performs the actions whose keys were pressed. Letters are left to words that are edited.
+/// Performs the actions whose keys were pressed. Letters are left to words that are edited, and to a calibration that is shown.
 pub(super) fn handle_keys(ui: &Ui, state: &mut PanelState, context: &mut PanelContext) {
     let is_editing = ui.ctx().text_edit_focused();
+    let is_calibrating =
+        state.workspace == Workspace::Calibration && context.sensors.guide.is_some();
     for spec in &ACTIONS {
-        if is_editing && !spec.is_global {
+        if (is_editing || is_calibrating) && !spec.is_global {
             continue;
         }
         let is_pressed = ui.input_mut(|input| {

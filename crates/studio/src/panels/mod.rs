@@ -331,10 +331,7 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
     close::guard(ui, state, context);
     look::apply(ui.ctx(), state);
     lab::advance(state, context);
-    // The keys of a calibration are its own.
-    if state.workspace == Workspace::Hand || context.sensors.guide.is_none() {
-        actions::handle_keys(ui, state, context);
-    }
+    actions::handle_keys(ui, state, context);
     let dropped = editor::dropped_file(ui);
     if dropped.is_some() {
         state.workspace = Workspace::Layout;

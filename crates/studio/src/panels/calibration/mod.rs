@@ -5,7 +5,7 @@ mod picture;
 mod pose;
 mod result;
 
-use eframe::egui::{self, Key, RichText};
+use eframe::egui::{self, Key, Modifiers, RichText};
 
 use super::sensors::show_question;
 use super::{PanelContext, look};
@@ -95,7 +95,8 @@ fn big_button(name: impl Into<RichText>) -> egui::Button<'static> {
 
 /// Returns whether a button is clicked, or its key is pressed.
 fn button(ui: &mut egui::Ui, name: &'static str, key: Key, hint: &str) -> bool {
-    let is_pressed = ui.input(|input| input.key_pressed(key)) && !ui.ctx().text_edit_focused();
+    let is_editing = ui.ctx().text_edit_focused();
+    let is_pressed = !is_editing && ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
     let response = ui.add(big_button(name));
     let response = match hint {
         "" => response,
