@@ -6,7 +6,9 @@ use ademan::calibrate::{self, CalibrationPose, Procedure, ProcedureState};
 use ademan::document::Document;
 use ademan::files::Load;
 use ademan::layout::{Glove, write_calibration};
-use ademan::studio::texts::text;
+use ademan::studio::texts::{self, Language, text};
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
 use std::time::Duration;
 
 use crate::picture;
@@ -40,10 +42,16 @@ fn open(person: &Person, path: &str) -> StudioWindow {
     window
 }
 
+/// Returns the words of the window for a pose.
+fn words(pose: CalibrationPose) -> String {
+    let (first, rest) = pose.instruction().split_at(1);
+    format!("{}{rest}", first.to_uppercase())
+}
+
 /// Returns the pose that the window asks for.
 fn wanted(window: &StudioWindow) -> Option<CalibrationPose> {
     let mut poses = CalibrationPose::ALL.iter().copied();
-    poses.find(|pose| window.has(pose.instruction()))
+    poses.find(|pose| window.has(&words(*pose)))
 }
 
 /// Lets the person do what the window says for some readings. Returns the pose, or `None` at the end.
@@ -164,4 +172,20 @@ fn a_calibration_keeps_its_letters_from_the_window_only_in_its_tab() {
     window.wait_for("a session that goes on", |model| {
         model.view.state.paused_by.is_none()
     });
+}
+
+#[test]
+fn the_picture_of_a_pose_has_its_name_in_the_language_of_the_window() {
+    let person = Person::default();
+    let mut window = open(&person, "unam-hc11");
+    for language in [Language::Spanish, Language::English] {
+        window.harness.state_mut().settings().language = Some(language);
+        window.draw(3);
+        assert_eq!(texts::language(), language);
+        let name = text("pose-flat");
+        let pictures = window
+            .harness
+            .query_all_by_role_and_label(Role::Image, name);
+        assert_eq!(pictures.count(), 1, "{name}");
+    }
 }

@@ -3,6 +3,7 @@
 use eframe::egui::{self, Align2, FontId};
 use parry3d::math::Vec2;
 
+use super::pose::instruction;
 use crate::camera::Viewpoint;
 use crate::panels::space;
 use crate::pose_picture::PosePicture;
@@ -19,7 +20,7 @@ pub(super) fn show(
 ) {
     let (area, response) = ui.allocate_exact_size(size, egui::Sense::hover());
     response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, pose.instruction())
+        egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, instruction(pose))
     });
     let Some(picture) = picture else {
         return;

@@ -113,7 +113,7 @@ fn show_buttons(ui: &mut egui::Ui, context: &mut PanelContext) {
 }
 
 /// Returns the instruction of a pose.
-fn instruction(pose: CalibrationPose) -> &'static str {
+pub(super) fn instruction(pose: CalibrationPose) -> &'static str {
     text(match pose {
         CalibrationPose::Rest => "pose-rest",
         CalibrationPose::Flat => "pose-flat",
