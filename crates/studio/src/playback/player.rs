@@ -118,6 +118,8 @@ impl Player {
     /// Moves the position by the time that has passed.
     fn play(&mut self, elapsed: Duration) {
         let Some(&last) = self.times.last() else {
+            // A recording without a step has ended once it is loaded.
+            self.is_playing = self.end.is_none();
             return;
         };
         let start = || self.times[self.wanted].0 as f64;

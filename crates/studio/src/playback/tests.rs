@@ -202,6 +202,25 @@ fn playing_reaches_the_end_and_starts_again() {
 }
 
 #[test]
+fn a_recording_without_readings_does_not_play_for_ever() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("empty.mcap");
+    let setup = Setup {
+        output: "none".into(),
+        ..Setup::default()
+    };
+    let recorded = setup.load_files().unwrap().recorded_setup();
+    Recorder::create(&path, &recorded)
+        .unwrap()
+        .finish()
+        .unwrap();
+    let mut shown = Shown::open(&path);
+    shown.player.apply(Move::Play);
+    shown.advance(Duration::from_secs(1));
+    assert!(!shown.player.is_playing());
+}
+
+#[test]
 fn moves_stay_within_the_recording() {
     let folder = tempfile::tempdir().unwrap();
     let path = record(folder.path(), "hi");

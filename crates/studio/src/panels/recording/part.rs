@@ -104,7 +104,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PartState, player: &Player) {
     if ui.add(field).labelled_by(label.id).changed() {
         state.is_asking = false;
     }
-    let can_export = state.job.is_none() && player.is_complete();
+    let can_export = state.job.is_none() && player.is_complete() && !player.is_empty();
     let button = egui::Button::new(text("recording-export"));
     if ui.add_enabled(can_export, button).clicked() {
         state.start(player, false);
