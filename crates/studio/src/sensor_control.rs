@@ -115,6 +115,13 @@ impl SensorControl {
         }
     }
 
+    /// Goes on with the filter of the session before, unless the setup of this one has another filter.
+    pub fn keep_smoothing(&mut self, before: &Self) {
+        if self.link.smoothing() == before.link.smoothing() {
+            self.set_smoothing(before.smoothing);
+        }
+    }
+
     /// Removes what changes the session: a recording is shown in its place.
     pub fn lock(&mut self) {
         self.editor = None;
@@ -325,7 +332,7 @@ pub(crate) mod tests {
     use super::*;
     use ademan_core::document::Document;
     use ademan_runtime::session::{Session, SessionHandle, SessionOptions};
-    use ademan_runtime::setup::Setup;
+    use ademan_runtime::setup::{Setup, SmoothingSetup};
 
     /// Starts a session of a simulated hand that wears a glove, without an output.
     pub fn session() -> SessionHandle {
@@ -334,11 +341,18 @@ pub(crate) mod tests {
 
     /// Starts such a session with a glove file.
     fn session_with(glove: Option<&str>) -> SessionHandle {
+        session_of(Setup {
+            glove: glove.map(str::to_owned),
+            ..Setup::default()
+        })
+    }
+
+    /// Starts such a session with the rest of a setup.
+    fn session_of(setup: Setup) -> SessionHandle {
         let setup = Setup {
             source: Some("typist:hello".parse().expect("a source")),
-            glove: glove.map(str::to_owned),
             output: "none".into(),
-            ..Setup::default()
+            ..setup
         };
         let setup = setup.load_files().expect("the shipped files");
         Session::start(setup, SessionOptions::default()).expect("a session")
@@ -361,6 +375,25 @@ pub(crate) mod tests {
         next.keep_glove(&mut sensors);
         assert!(next.is_unsaved());
         assert!(next.save(false), "Studio has written the file");
+    }
+
+    #[test]
+    fn a_filter_that_was_chosen_stays_in_the_next_session() {
+        let first = session();
+        let mut sensors = SensorControl::new(first.sensors());
+        sensors.set_smoothing(Smoothing::Off);
+        let second = session();
+        let mut next = SensorControl::new(second.sensors());
+        next.keep_smoothing(&sensors);
+        assert_eq!(next.smoothing(), Smoothing::Off);
+        assert!(next.is_change_due, "the session gets it");
+        let other = session_of(Setup {
+            smoothing: SmoothingSetup::RecursiveAverage,
+            ..Setup::default()
+        });
+        let mut of_other = SensorControl::new(other.sensors());
+        of_other.keep_smoothing(&next);
+        assert_eq!(of_other.smoothing(), Smoothing::RecursiveAverage);
     }
 
     #[test]
