@@ -1,6 +1,8 @@
 //! Other layouts, opened from the toolbar: each in a session of its own.
 
 use ademan::studio::texts::{text, text_with};
+use egui::accesskit::{Role, Toggled};
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::changing_window::ChangingWindow;
 
@@ -89,4 +91,32 @@ fn another_layout_keeps_a_calibration_that_is_not_saved() {
     window.choose_layout("numpad");
     window.draw();
     assert!(window.has(text("glove-unsaved")));
+}
+
+/// Returns `true` if the check box with this name is on.
+fn is_on(window: &ChangingWindow, name: &str) -> bool {
+    let harness = &window.harness;
+    let check_box = harness.get_by_role_and_label(Role::CheckBox, name);
+    check_box.accesskit_node().toggled() == Some(Toggled::True)
+}
+
+#[test]
+fn options_of_the_view_and_the_scope_stay_with_another_layout() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = ChangingWindow::open("arrows", &folder.path().join("studio.ron"));
+    for (menu, option) in [("menu-view", "view-bones"), ("scope-rows", "scope-latency")] {
+        window.click(text(menu));
+        assert!(!is_on(&window, text(option)), "{option}");
+        window.click(text(option));
+        window.harness.key_press(egui::Key::Escape);
+        window.draw();
+    }
+    window.choose_layout("numpad");
+    window.draw();
+    for (menu, option) in [("menu-view", "view-bones"), ("scope-rows", "scope-latency")] {
+        window.click(text(menu));
+        assert!(is_on(&window, text(option)), "{option}");
+        window.harness.key_press(egui::Key::Escape);
+        window.draw();
+    }
 }

@@ -161,7 +161,7 @@ impl<'a> StudioStart<'a> {
                 other.can_open = true;
                 other.sensors.keep_glove(&mut app.sensors);
                 other.sensors.keep_smoothing(&app.sensors);
-                other.panels.keep_devices(&mut app.panels);
+                other.panels.keep_choices(&mut app.panels);
                 other.panels.message = self.unsaved.take().or(other.panels.message);
                 if mem::take(&mut self.is_pause_wanted) {
                     other.send(Command::Pause);

@@ -283,10 +283,12 @@ impl PanelState {
         self.message = Some(reason);
     }
 
-    /// Keeps the window of the devices of the session before, and what it shows.
-    pub fn keep_devices(&mut self, before: &mut Self) {
+    /// Keeps the window of the devices of the session before, what it shows, and the options of the 3D view and the scope.
+    pub fn keep_choices(&mut self, before: &mut Self) {
         let error = self.devices.error.take();
         self.devices = mem::take(&mut before.devices).after_change(error);
+        self.scene = before.scene;
+        self.scope = mem::take(&mut before.scope).without_held();
     }
 
     /// Lets the window close without a question, as after a signal. Unsaved work stays in the recovery file.

@@ -70,6 +70,12 @@ impl Default for ScopeState {
 }
 
 impl ScopeState {
+    /// Releases a plot that is held: its session has ended.
+    #[must_use]
+    pub fn without_held(self) -> Self {
+        Self { held: None, ..self }
+    }
+
     /// Returns the angles and rows that are drawn: without those that the views of another program do not have.
     const fn shown(&self, is_from_views: bool) -> ([bool; Dof::COUNT], Rows) {
         if is_from_views {
