@@ -225,6 +225,22 @@ fn another_layout_is_opened_in_the_window_with_its_handles() {
 }
 
 #[test]
+fn a_question_keeps_the_keys_of_the_window() {
+    let file = EditedFile::new("first.ron", TWO_KEYS);
+    let mut window = file.open();
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::O);
+    let name = text("editor-open-name");
+    let field = window.harness.get_by_role_and_label(Role::TextInput, name);
+    assert!(field.is_focused(), "letters are a part of a name");
+    window.press_key(egui::Key::F1);
+    assert!(!window.has(text("keys-orbit")), "the list of keys");
+    window.press_key(egui::Key::Escape);
+    assert!(!window.has(text("editor-open-title")));
+    window.press_key(egui::Key::F1);
+    assert!(window.has(text("keys-orbit")));
+}
+
+#[test]
 fn a_layout_whose_file_is_missing_is_opened_once_it_is_there() {
     let file = EditedFile::new("missing.ron", TWO_KEYS);
     let name = file.0.to_str().expect("a readable path");

@@ -3,7 +3,7 @@
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers, Ui};
 
 use super::table::{SCOPE, SENSORS};
-use super::{PanelContext, PanelState, Workspace};
+use super::{PanelContext, PanelState, Workspace, editor};
 use crate::camera::Viewpoint;
 use crate::model::StudioModel;
 use crate::texts::text;
@@ -247,13 +247,16 @@ fn move_focus(ui: &Context, state: &mut PanelState, step: isize) {
     ui.memory_mut(|memory| memory.request_focus(state.panel_ids[index]));
 }
 
-/// Performs the actions whose keys were pressed. Letters are left to words that are edited, and to a calibration that is shown.
+/// Performs the actions whose keys were pressed. Letters are left to words that are edited, and to a calibration that is shown. While a
+/// question waits for an answer, only the pause acts.
 pub(super) fn handle_keys(ui: &Ui, state: &mut PanelState, context: &mut PanelContext) {
     let is_editing = ui.ctx().text_edit_focused();
     let is_calibrating =
         state.workspace == Workspace::Calibration && context.sensors.guide.is_some();
+    let is_asked = editor::is_asked(ui);
     for spec in &ACTIONS {
-        if (is_editing || is_calibrating) && !spec.is_global {
+        let is_left = (is_editing || is_calibrating) && !spec.is_global;
+        if is_left || is_asked && spec.action != Action::Pause {
             continue;
         }
         let is_pressed = ui.input_mut(|input| {

@@ -8,7 +8,7 @@ mod result;
 use eframe::egui::{self, Key, Modifiers, RichText};
 
 use super::sensors::show_question;
-use super::{PanelContext, look};
+use super::{PanelContext, editor, look};
 use crate::guide::Guide;
 use crate::pose_picture::PosePicture;
 use crate::scene::SceneColors;
@@ -95,8 +95,8 @@ fn big_button(name: impl Into<RichText>) -> egui::Button<'static> {
 
 /// Returns whether a button is clicked, or its key is pressed.
 fn button(ui: &mut egui::Ui, name: &'static str, key: Key, hint: &str) -> bool {
-    let is_editing = ui.ctx().text_edit_focused();
-    let is_pressed = !is_editing && ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+    let is_free = !ui.ctx().text_edit_focused() && !editor::is_asked(ui);
+    let is_pressed = is_free && ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
     let response = ui.add(big_button(name));
     let response = match hint {
         "" => response,

@@ -67,6 +67,7 @@ use self::palette::Palette;
 use self::plan::PlanPanel;
 use self::repeat::Repeat;
 use self::shortcuts::Nudge;
+pub(super) use self::shortcuts::is_asked;
 pub(super) use self::trial::advance_trial;
 
 /// The editor between two frames.

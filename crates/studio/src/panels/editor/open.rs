@@ -24,6 +24,8 @@ const WIDTH: f32 = 420.0;
 #[derive(Default)]
 pub(super) struct OpenQuestion {
     query: String,
+    /// The field has had the focus, which it gets at first.
+    is_begun: bool,
 }
 
 impl EditorPanel {
@@ -179,7 +181,10 @@ fn open_dropped(ui: &egui::Ui, panel: &mut EditorPanel) {
         return;
     };
     if panel.is_unsaved() {
-        panel.open_question = Some(OpenQuestion { query });
+        panel.open_question = Some(OpenQuestion {
+            query,
+            is_begun: false,
+        });
     } else {
         panel.open_other(&query);
     }
@@ -227,6 +232,11 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
         let label = ui.label(text("editor-open-name"));
         let field = egui::TextEdit::singleline(&mut question.query).desired_width(f32::INFINITY);
         let field = ui.add(field).labelled_by(label.id);
+        // A frame that only measures the question drops the focus again.
+        if !question.is_begun && !ui.is_sizing_pass() {
+            question.is_begun = field.has_focus();
+            field.request_focus();
+        }
         if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
             chosen = Some(question.query.trim().to_owned());
         }

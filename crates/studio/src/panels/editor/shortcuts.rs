@@ -166,7 +166,7 @@ impl EditorPanel {
 }
 
 /// Returns `true` if a question waits for an answer, which gets all keys.
-pub(super) fn is_asked(ui: &egui::Ui) -> bool {
+pub(in super::super) fn is_asked(ui: &egui::Ui) -> bool {
     ui.ctx().memory(|memory| memory.top_modal_layer().is_some())
 }
 
