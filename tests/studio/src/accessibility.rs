@@ -1,10 +1,11 @@
 //! Screen readers and the keyboard: names and roles, the list of keys, the tour, and the language.
 
 use std::fs;
+use std::path::Path;
 
 use ademan::studio::texts::{self, Language, text};
 use egui::accesskit::{Action, Role};
-use egui_kittest::kittest::NodeT;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::picture;
 use crate::window::{Opening, StudioWindow};
@@ -32,6 +33,43 @@ fn every_widget_has_a_name_and_a_role() {
         assert_eq!(unannounced(&window), [""; 0], "{menu}");
         window.press_key(egui::Key::Escape);
     }
+}
+
+/// Returns the lists and numbers of which a screen reader tells nothing but the value.
+fn nameless(window: &StudioWindow) -> Vec<String> {
+    let root = window.harness.root();
+    let nodes = root.children_recursive().map(|node| node.accesskit_node());
+    nodes
+        .filter(|node| matches!(node.role(), Role::ComboBox | Role::SpinButton))
+        .filter(|node| node.label().unwrap_or_default().trim().is_empty())
+        .map(|node| format!("{:?} {:?}", node.role(), node.value()))
+        .collect()
+}
+
+#[test]
+fn lists_and_numbers_have_names_beside_their_values() {
+    let mut window = Opening::default().open();
+    window.click(text("joint-elbow"));
+    window.toggle(text("value-range"));
+    assert_eq!(nameless(&window), [""; 0], "sensors");
+    window.click(text("workspace-layout"));
+    for (part, list) in [
+        ("editor-new-board", "pose · anchor"),
+        ("editor-new-sequence", text("editor-step-kind")),
+    ] {
+        window.click(text("editor-add"));
+        let harness = &window.harness;
+        let entry = harness.get_by_role_and_label(Role::Button, text(part));
+        entry.click();
+        window.draw(3);
+        let lists = window.harness.query_all_by_role(Role::ComboBox);
+        let mut names = lists.filter_map(|it| it.accesskit_node().label());
+        assert!(names.any(|name| name == list), "{part}");
+        assert_eq!(nameless(&window), [""; 0], "{part}");
+    }
+    let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../recordings");
+    let recorded = Opening::default().open_recording(&recordings.join("hc11.mcap"));
+    assert_eq!(nameless(&recorded), [""; 0], "recording");
 }
 
 #[test]

@@ -409,6 +409,7 @@ editor-add = Add
 editor-new-sequence = Sequence
 editor-sequences = Sequences
 editor-add-step = Add step
+editor-step-kind = Kind of step
 editor-step-earlier = Move the step up
 editor-name = Name
 editor-duplicate = Duplicate

@@ -409,6 +409,7 @@ editor-add = Añadir
 editor-new-sequence = Secuencia
 editor-sequences = Secuencias
 editor-add-step = Añadir paso
+editor-step-kind = Tipo de paso
 editor-step-earlier = Subir el paso
 editor-name = Nombre
 editor-duplicate = Duplicar

@@ -107,7 +107,8 @@ fn show_value(
         FieldType::Choice(choices) => {
             let shown = if is_mixed { "" } else { shown };
             let listed = with_default(choices, &default);
-            if let Some(chosen) = show_choice(ui, field.name, shown, &listed) {
+            let name = display_name(field.name);
+            if let Some(chosen) = show_choice(ui, (field.name, &name), shown, &listed) {
                 let is_choice = choices.contains(&chosen.as_str());
                 set(panel, parts, field.name, is_choice.then_some(chosen));
             }
@@ -154,17 +155,17 @@ fn word(value: &str) -> &str {
     value[..end].trim_matches('"')
 }
 
-/// Returns the value that was chosen.
+/// Shows a list by its id and its name for screen readers. Returns the value that was chosen.
 pub(super) fn show_choice(
     ui: &mut egui::Ui,
-    name: &str,
+    (id, name): (&str, &str),
     shown: &str,
     choices: &[&str],
 ) -> Option<String> {
     let shown = word(shown);
     let mut chosen = None;
-    let list = egui::ComboBox::from_id_salt(name).selected_text(shown);
-    list.show_ui(ui, |ui| {
+    let list = egui::ComboBox::from_id_salt(id).selected_text(shown);
+    let list = list.show_ui(ui, |ui| {
         for choice in choices {
             let is_shown = word(choice) == shown;
             if ui.selectable_label(is_shown, word(choice)).clicked() && !is_shown {
@@ -172,6 +173,7 @@ pub(super) fn show_choice(
             }
         }
     });
+    list.response.accessible_name(name);
     chosen
 }
 

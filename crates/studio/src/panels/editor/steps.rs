@@ -53,7 +53,8 @@ fn show_step(
     let names: Vec<&str> = kinds.iter().map(|it| it.name).collect();
     let shown = kind.map_or("", |it| it.name);
     ui.spacing_mut().combo_width = KIND_WIDTH;
-    if let Some(chosen) = field_row::show_choice(ui, "kind", shown, &names)
+    let list = ("kind", text("editor-step-kind"));
+    if let Some(chosen) = field_row::show_choice(ui, list, shown, &names)
         && let Some(other) = kinds.iter().find(|it| it.name == chosen)
     {
         set(panel, part, index, Some(new_step(other)));

@@ -127,7 +127,8 @@ fn show_transport(ui: &mut egui::Ui, player: &Player, moves: &mut Vec<Move>) {
             }
         }
     });
-    shown.response.on_hover_text(text("recording-speed"));
+    let name = text("recording-speed");
+    shown.response.accessible_name(name).on_hover_text(name);
     show_time(ui, player);
     let hint = egui::RichText::new(text("recording-hint")).weak().small();
     ui.add(egui::Label::new(hint).truncate());

@@ -110,6 +110,7 @@ fn show_range(ui: &mut egui::Ui, sensors: &mut SensorControl, channel: usize, fu
     let range = editor.map().range(channel);
     let mut has_range = range.is_some();
     let checkbox = ui.checkbox(&mut has_range, text("value-range"));
+    let label = checkbox.id;
     let mut new = match (
         checkbox.on_hover_text(text("value-range-hint")).changed(),
         has_range,
@@ -120,9 +121,9 @@ fn show_range(ui: &mut egui::Ui, sensors: &mut SensorControl, channel: usize, fu
     };
     if let Some((low, high)) = &mut new {
         ui.horizontal(|ui| {
-            ui.add(end(low, full_scale));
+            ui.add(end(low, full_scale)).labelled_by(label);
             ui.label("–");
-            ui.add(end(high, full_scale));
+            ui.add(end(high, full_scale)).labelled_by(label);
         });
     }
     ui.end_row();
