@@ -238,10 +238,15 @@ fn show_rows(
     file.inner.map(SetupChange::File).or(chosen)
 }
 
-/// Returns the names of shipped files, and of files in the configuration folder.
+/// Returns the names of shipped files, and of files in the configuration folder, each once: a copy of a shipped file is used by the
+/// same name.
 fn with_own(shipped: impl Iterator<Item = &'static str>, own: &[String]) -> Vec<&str> {
     let mut names: Vec<&str> = shipped.collect();
-    names.extend(own.iter().map(String::as_str));
+    for name in own {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
     names
 }
 
@@ -293,4 +298,19 @@ fn show_profiles(ui: &mut egui::Ui, setup: &LoadedSetup, active: &str, sent: &mu
         }
     });
     ui.separator();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_copy_of_a_shipped_glove_is_listed_once() {
+        let own = ["mine", "unam-hc11"].map(str::to_owned);
+        let shipped: Vec<&str> = shipped_gloves().collect();
+        assert!(shipped.contains(&"unam-hc11"), "{shipped:?}");
+        let names = with_own(shipped_gloves(), &own);
+        let expected = shipped.into_iter().chain(["mine"]);
+        assert_eq!(names, expected.collect::<Vec<_>>());
+    }
 }
