@@ -549,6 +549,7 @@ editor-copy-link = Copy link (share the layout)
 editor-link-copied = The link is in the clipboard; it opens the layout in the page of `ademan serve`
 editor-export-svg-only = this window makes neither PNG nor PDF; write an SVG picture
 editor-exported = The picture is written beside the layout
+editor-exported-here = The picture is written to the folder in which Studio was started, as the layout has no file
 editor-export-exists = the picture exists and is not overwritten; move it away
 
 # Layout editor: all boards

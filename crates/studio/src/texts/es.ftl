@@ -549,6 +549,7 @@ editor-copy-link = Copiar enlace (compartir la distribución)
 editor-link-copied = El enlace está en el portapapeles; abre la distribución en la página de `ademan serve`
 editor-export-svg-only = esta ventana no hace imágenes PNG ni PDF; escriba una imagen SVG
 editor-exported = La imagen está escrita junto a la distribución
+editor-exported-here = La imagen está escrita en la carpeta en la que se inició Studio, pues la distribución no tiene archivo
 editor-export-exists = la imagen existe y no se sobrescribe; muévala a otro sitio
 
 # Editor de distribuciones: todos los tableros

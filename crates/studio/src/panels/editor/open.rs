@@ -144,13 +144,17 @@ impl EditorPanel {
         };
         let name = self.editor.name().rsplit('/').next().unwrap_or_default();
         let beside = self.editor.path().map(Path::to_owned);
+        let done = match beside {
+            Some(_) => text("editor-exported"),
+            None => text("editor-exported-here"),
+        };
         let path = beside.unwrap_or_else(|| PathBuf::from(name));
         let path = path.with_extension(extension);
         let svg = layout.to_svg(&Wearer::default());
         let picture = svg.map_err(|error| error.to_string()).and_then(convert);
         let written = picture.and_then(|picture| write_new(&path, &picture));
         self.message = Some(match written {
-            Ok(()) => Ok(text("editor-exported")),
+            Ok(()) => Ok(done),
             Err(reason) => Err(format!("{}: {reason}", escape_path(&path))),
         });
     }
@@ -287,6 +291,16 @@ mod tests {
         assert_eq!(panel.message, None);
         panel.open_empty();
         assert_eq!(panel.message, None);
+    }
+
+    #[test]
+    fn the_picture_of_a_layout_without_a_file_is_in_the_working_folder() {
+        let name = "picture-without-file.ron";
+        let editor = LayoutEditor::from_text(name, TWO_KEYS, Fit::default());
+        let mut panel = EditorPanel::of(editor, None);
+        panel.export_svg();
+        assert_eq!(panel.message, Some(Ok(text("editor-exported-here"))));
+        fs::remove_file(Path::new(name).with_extension("svg")).expect("the picture");
     }
 
     #[test]
