@@ -27,7 +27,7 @@ const FIVE_KEYS: &str = "Layout(
 ";
 
 /// Runs the lab with a few people, and waits for the figures.
-fn run(window: &mut StudioWindow, people: f64) {
+pub fn run(window: &mut StudioWindow, people: f64) {
     window.click(text("workspace-lab"));
     window.set_number(Role::SpinButton, text("lab-people"), people);
     window.set_number(Role::SpinButton, text("lab-phrases"), 1.0);
@@ -44,7 +44,7 @@ fn finish(window: &mut StudioWindow) {
 }
 
 /// Returns the name of the bar of the worst person.
-fn worst(window: &StudioWindow) -> String {
+pub fn worst(window: &StudioWindow) -> String {
     let is_bar = |label: &String| label.starts_with("Person ");
     let bars = window.harness.get_all_by_role(Role::Button);
     let mut bars = bars.filter_map(|bar| bar.accesskit_node().label());

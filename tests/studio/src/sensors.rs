@@ -11,8 +11,8 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use tempfile::TempDir;
 
-use crate::picture;
 use crate::window::{Opening, StudioWindow};
+use crate::{lab, picture};
 
 /// Channel of the elbow in the glove that comes with the program, and its values there.
 const ELBOW: usize = 17;
@@ -211,4 +211,21 @@ fn a_window_with_a_calibration_that_is_not_saved_asks_before_it_closes() {
     window.click(text("editor-close-discard"));
     assert!(closes(window));
     assert_eq!(own.file(), shipped());
+}
+
+#[test]
+fn the_question_about_the_file_is_shown_also_while_a_person_of_the_lab_is_watched() {
+    let mut own = OwnGlove::open();
+    let window = &mut own.window;
+    window.click(text("joint-elbow"));
+    window.set_number(Role::SpinButton, text("value-offset"), 40.0);
+    lab::run(window, 2.0);
+    let bar = lab::worst(window);
+    window.click(&bar);
+    let is_watched = |shown: &StudioWindow| shown.has(text("lab-watch-back"));
+    window.draw_until("the person in the 3D view", is_watched);
+    assert!(!closes(window));
+    window.click(text("editor-close-save"));
+    window.click(text("button-replace"));
+    assert_ne!(own.file(), shipped());
 }

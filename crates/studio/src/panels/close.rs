@@ -3,7 +3,7 @@
 use eframe::egui;
 
 use super::table::SENSORS;
-use super::{PanelContext, PanelState, Workspace};
+use super::{PanelContext, PanelState, WatchChange, Workspace};
 use crate::texts::text;
 
 /// The question between two frames.
@@ -62,6 +62,10 @@ pub(super) fn guard(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCo
     if matches!(answer, Answer::Save) {
         // The question whether a file is replaced, or the reason why it cannot be written, is there.
         state.workspace = Workspace::Hand;
+        if context.watched.is_some() {
+            // The panel is of the session.
+            *context.watch = Some(WatchChange::End);
+        }
         if !state.shows(SENSORS) {
             state.toggle(SENSORS);
         }
