@@ -241,6 +241,20 @@ fn a_question_keeps_the_keys_of_the_window() {
 }
 
 #[test]
+fn escape_closes_the_list_of_keys_and_leaves_what_is_selected() {
+    let file = EditedFile::new("selected.ron", TWO_KEYS);
+    let mut window = file.open();
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::A);
+    window.press_key(egui::Key::F1);
+    assert!(window.has(text("keys-orbit")));
+    window.press_key(egui::Key::Escape);
+    assert!(!window.has(text("keys-orbit")));
+    assert!(window.is_enabled(text("editor-delete")), "it is selected");
+    window.press_key(egui::Key::Escape);
+    assert!(!window.is_enabled(text("editor-delete")));
+}
+
+#[test]
 fn a_layout_whose_file_is_missing_is_opened_once_it_is_there() {
     let file = EditedFile::new("missing.ron", TWO_KEYS);
     let name = file.0.to_str().expect("a readable path");

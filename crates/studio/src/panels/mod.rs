@@ -228,6 +228,12 @@ impl PanelState {
         matches!(self.workspace, Workspace::Layout | Workspace::Lab)
     }
 
+    /// Returns `true` if a window over the panels is open, which Escape closes.
+    fn has_window(&self) -> bool {
+        let has_headset = self.headset.as_ref().is_some_and(|window| window.is_open);
+        self.shows_keys || self.devices.is_open() || self.tour.index().is_some() || has_headset
+    }
+
     /// Returns whether the editor has a layout.
     fn has_layout(&self) -> bool {
         matches!(self.editor, Some(Ok(_)))
@@ -395,9 +401,11 @@ fn open_layout(
         }
         state.editor = Some(opened);
     }
+    let is_covered = state.has_window();
     if let Some(Ok(editor)) = &mut state.editor
         && state.workspace == Workspace::Layout
     {
+        editor.is_covered = is_covered;
         editor::prepare(ui, editor, &mut state.settings.recent_layouts, context);
         if let Some(action) = editor.take_action() {
             action.perform(ui.ctx(), state, context);

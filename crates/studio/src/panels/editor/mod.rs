@@ -136,6 +136,8 @@ pub struct EditorPanel {
     message: Option<Result<&'static str, String>>,
     /// A text was typed into a field in the last frame.
     is_typing: bool,
+    /// A window over the editor is open, which Escape closes.
+    pub(super) is_covered: bool,
     /// A position in the text that is shown.
     shown_line: Option<usize>,
     /// The window asks before it closes.
@@ -211,6 +213,7 @@ impl EditorPanel {
             pictures: None,
             message: None,
             is_typing: false,
+            is_covered: false,
             shown_line: None,
             is_close_asked: false,
             may_close: false,

@@ -65,8 +65,10 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if ui.ctx().text_edit_focused() || egui::Popup::is_any_open(ui.ctx()) {
         return;
     }
-    // The palette takes its own Escape.
-    let can_escape = panel.can_escape() && !panel.palette.is_open() && !ends_typing;
+    // The palette takes its own Escape, and so does a window unless something is dragged.
+    let is_dragging = panel.plan.is_dragging() || panel.is_dragging_on_canvas();
+    let is_covered = panel.palette.is_open() || panel.is_covered && !is_dragging;
+    let can_escape = panel.can_escape() && !is_covered && !ends_typing;
     if can_escape && pressed(Modifiers::NONE, Key::Escape) {
         panel.escape();
     }
