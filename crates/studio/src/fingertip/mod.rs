@@ -55,6 +55,7 @@ impl Fingertip {
         let first_side = setup.arm.side();
         let other_hand = other_hand(&setup);
         let sensors = SensorTable::default().with_other_hand(other_side(&setup));
+        let arm = setup.arm_document().cloned();
         let options = SessionOptions {
             source: Some(Box::new(source)),
             speed: Some(1.0),
@@ -68,9 +69,13 @@ impl Fingertip {
             session.join()?;
             return Err(SessionError::NoSource);
         };
+        let mut model = StudioModel::new(view, sensors);
+        if let Some(document) = &arm {
+            model.shapes.set_arm(document);
+        }
         Ok(Self {
             layout: Arc::clone(layout),
-            model: StudioModel::new(view, sensors),
+            model,
             aim: Aim::new(first_side, moves),
             snapshots: session.snapshots().clone(),
             viewer,
@@ -137,4 +142,34 @@ fn other_hand(setup: &LoadedSetup) -> Option<HandPose> {
     }
     let arm = setup.arm.clone().for_side(setup.arm.side().opposite());
     Some(PointerHand::new(&arm).pose())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use ademan_core::document::Document;
+    use ademan_runtime::setup::{ArmSetup, Setup};
+
+    #[test]
+    fn the_hand_of_the_mouse_has_the_meshes_of_the_arm() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let shipped = Document::shipped("unam").expect("an arm").text;
+        let end = shipped.rfind(')').expect("a bracket");
+        let shapes = r#"shapes: [(file: "a.obj", joint: "wrist")])"#;
+        let path = folder.path().join("own.ron");
+        fs::write(&path, format!("{}{shapes}", &shipped[..end])).expect("a write");
+        let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        fs::write(folder.path().join("a.obj"), mesh).expect("a write");
+        let setup = Setup {
+            arm: ArmSetup::Model(path.display().to_string()),
+            output: "none".into(),
+            ..Setup::default()
+        };
+        let loaded = setup.load_files().expect("a setup");
+        let layout = Arc::new(loaded.layout.clone());
+        let fingertip = Fingertip::start(&loaded, &layout).expect("a session");
+        assert_eq!(fingertip.model.shapes.limbs().len(), 1);
+    }
 }
