@@ -184,6 +184,8 @@ pub struct PanelState {
     focused_panel: Option<usize>,
     /// Reason why something was not done: a command was not sent, or the settings were not kept.
     pub message: Option<String>,
+    /// The message as the status line shows it.
+    shown_message: Option<status::ShownMessage>,
 }
 
 impl PanelState {

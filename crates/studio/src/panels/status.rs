@@ -1,6 +1,7 @@
 //! The status line: state, effect on other programs, layout, and the latest message.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use eframe::egui::{self, Color32};
 
@@ -13,6 +14,16 @@ use crate::typing::Typing;
 use ademan_core::message::escape;
 use ademan_core::pipeline::PipelineState;
 use ademan_runtime::setup::SIMULATED_HAND;
+
+/// Time for which a message of the window is shown at least, in seconds.
+const MESSAGE_SECONDS: f64 = 15.0;
+
+/// A message of the window, the time since when it is shown, and the notices of the session before it.
+pub(super) struct ShownMessage {
+    message: String,
+    since: f64,
+    before: Arc<[String]>,
+}
 
 pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     ui.add_space(3.0);
@@ -32,15 +43,33 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
         ui.label(&model.view.layout.name);
         ui.separator();
         headset::show_status(ui, state, context);
-        let message = match (&state.message, model.view.messages.last()) {
-            (Some(error), _) => format!("! {error}"),
-            (None, Some(notice)) => notices::translate(notice).to_owned(),
-            (None, None) => String::new(),
-        };
+        let now = ui.input(|input| input.time);
+        let message = latest(state, &model.view.messages, now);
         ui.add(egui::Label::new(&message).truncate())
             .on_hover_text(message);
     });
     ui.add_space(3.0);
+}
+
+/// Returns the latest message at a time in seconds. One of the window gives way to later notices of the session, but can be read before.
+fn latest(state: &mut PanelState, said: &Arc<[String]>, now: f64) -> String {
+    let known = state.shown_message.take();
+    if let Some(message) = &state.message {
+        let known = known.filter(|shown| shown.message == *message);
+        let shown = known.unwrap_or_else(|| ShownMessage {
+            message: message.clone(),
+            since: now,
+            before: Arc::clone(said),
+        });
+        let is_over = now - shown.since > MESSAGE_SECONDS && *shown.before != **said;
+        if !is_over {
+            state.shown_message = Some(shown);
+            return format!("! {message}");
+        }
+        state.message = None;
+    }
+    let words = said.last().map(|notice| notices::translate(notice));
+    words.unwrap_or_default().to_owned()
 }
 
 /// Returns the words of a source: its URI, or the words of a source of the program itself.
@@ -81,8 +110,6 @@ const fn state_color(state: PipelineState) -> Color32 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use ademan_core::estimate::Rejection;
     use ademan_core::layout::Layout;
     use ademan_runtime::files::Load;
@@ -90,6 +117,26 @@ mod tests {
     use super::*;
     use crate::model::tests::snapshot;
     use crate::scene::tests::model_of;
+
+    #[test]
+    fn a_message_of_the_window_gives_way_to_a_later_notice_once_it_could_be_read() {
+        let said = |notice: &str| -> Arc<[String]> { Arc::from([notice.to_owned()]) };
+        let (early, late) = (said("early"), said("late"));
+        let mut state = PanelState::default();
+        assert_eq!(latest(&mut state, &early, 0.0), "early");
+        state.message = Some("refused".to_owned());
+        for (notices, now, shown) in [
+            (&early, 1.0, "! refused"),
+            (&late, 2.0, "! refused"),
+            (&late, 30.0, "late"),
+        ] {
+            assert_eq!(latest(&mut state, notices, now), shown, "{now}");
+        }
+        state.message = Some("refused".to_owned());
+        for now in [31.0, 99.0] {
+            assert_eq!(latest(&mut state, &late, now), "! refused", "{now}");
+        }
+    }
 
     #[test]
     fn a_session_whose_readings_are_all_rejected_names_the_most_frequent_reason() {
