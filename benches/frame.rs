@@ -4,9 +4,15 @@
 //! have the same keys below the hand and more keys around them. A sample is one pass over all
 //! readings, so rest, movement and presses have their natural frequency. `a_nothing` is the cost
 //! of copying a reading, which the figures of `c_` and `g_` include.
+//!
+//! The stages run one after the other. A table of ratios, whose rows take turns, precedes them.
 
+#[path = "support/interleaved.rs"]
+mod interleaved;
 #[path = "support/plain_hand.rs"]
 mod plain_hand;
+#[path = "frame/ratios.rs"]
+mod ratios;
 
 use std::hint::black_box;
 use std::sync::LazyLock;
@@ -48,6 +54,7 @@ fn main() {
         assert_eq!(presses, typing().presses, "presses on {board:?}");
     }
     print_sizes();
+    ratios::print();
     divan::Divan::from_args()
         .sample_size(READINGS as u32)
         .main();
@@ -400,16 +407,21 @@ fn g_step(bencher: Bencher, board: Board) {
     });
 }
 
-/// The step for readings of both hands in turn, of which the left one is the mirror image of the right one.
-#[divan::bench]
-fn g_step_of_two_hands(bencher: Bencher) {
+/// Returns readings of both hands in turn, of which the left one is the mirror image of the right one, and their pipeline.
+fn two_hands() -> (Readings, Pipeline) {
     let mut readings = Readings::new();
     for (reading, side) in readings.readings.iter_mut().zip(Side::ALL.iter().cycle()) {
         reading.side = Some(*side);
     }
     let left_arm = typing().setup.arm.clone().for_side(Side::Left);
     let pipeline = Board::Flat(100).pipeline();
-    let mut pipeline = pipeline.with_second_hand(typing().estimator(), left_arm);
+    let both = pipeline.with_second_hand(typing().estimator(), left_arm);
+    (readings, both)
+}
+
+#[divan::bench]
+fn g_step_of_two_hands(bencher: Bencher) {
+    let (mut readings, mut pipeline) = two_hands();
     let mut events = Events::new();
     bencher.bench_local(|| {
         events.clear();
