@@ -1,5 +1,5 @@
-//! Latency from the last byte of a packet to its event, compared with the minimum: a program that reads a packet and writes
-//! an event.
+//! Latency from the write of a packet to its event, compared with the minimum: a program that reads a packet and writes an
+//! event.
 //!
 //! Each program has a pseudo terminal with the settings of a serial port. The programs receive the same packets in turn, in
 //! an order that rotates, so that other load on the machine affects all of them, and one packet is in transit at a time.

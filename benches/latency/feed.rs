@@ -12,7 +12,7 @@ use crossbeam_channel::Receiver;
 use super::desktop;
 use super::load::Load;
 use super::packets::packets;
-use super::programs::{Output, PACKET_BYTES, PROGRAMS, Program, Running, to_pipe};
+use super::programs::{Output, PACKET_BYTES, PROGRAMS, Program, Running, Writer, to_pipe};
 use super::uinput;
 
 /// Time after which a packet counts as lost.
@@ -73,6 +73,22 @@ struct Fed {
     times: Vec<Duration>,
 }
 
+/// Starts all programs, each with room for the times of this number of packets.
+fn start_all(writers: Vec<Box<dyn Writer>>, load: Option<&Load>, packets: usize) -> Vec<Fed> {
+    let start = |(program, writer): (&Program, _)| Fed {
+        name: program.name,
+        running: (program.start)(writer, load),
+        times: Vec::with_capacity(packets),
+    };
+    PROGRAMS.iter().zip(writers).map(start).collect()
+}
+
+/// Returns the programs in the order in which they are listed, after they have taken turns.
+fn in_order(mut programs: Vec<Fed>) -> Vec<Fed> {
+    programs.sort_by_key(|program| PROGRAMS.iter().position(|it| it.name == program.name));
+    programs
+}
+
 /// Feeds all programs in turn and prints their latencies.
 fn measure(
     output: impl FnOnce() -> Option<Output>,
@@ -84,12 +100,7 @@ fn measure(
         return;
     };
     let load = is_loaded.then(Load::start);
-    let start = |(program, writer): (&Program, _)| Fed {
-        name: program.name,
-        running: (program.start)(writer, load.as_ref()),
-        times: Vec::with_capacity(packets.measured),
-    };
-    let mut programs: Vec<Fed> = PROGRAMS.iter().zip(output.writers).map(start).collect();
+    let mut programs = start_all(output.writers, load.as_ref(), packets.measured);
     let bodies = bodies();
     let mut due = Instant::now();
     let step = pace / programs.len() as u32;
@@ -110,14 +121,13 @@ fn measure(
             }
         }
     }
-    programs.sort_by_key(|program| PROGRAMS.iter().position(|it| it.name == program.name));
     let output_name = if is_loaded {
         format!("{}, load", output.name)
     } else {
         output.name.to_owned()
     };
     let mut of_null = None;
-    for mut program in programs {
+    for mut program in in_order(programs) {
         let found = (
             percentile(&mut program.times, 50),
             percentile(&mut program.times, 99),
@@ -137,7 +147,7 @@ fn measure(
     }
 }
 
-/// Prints the time from the last byte of a packet to its event on a line with this bit rate.
+/// Feeds all programs in turn on lines with this bit rate, and prints the times from the last byte of a packet to its event.
 fn measure_line(baud: NonZeroU32, packets: usize) {
     let format = Hc11Format {
         baud,
@@ -145,33 +155,34 @@ fn measure_line(baud: NonZeroU32, packets: usize) {
     };
     let wait = format.transmission_time(PACKET_BYTES - BODY_BYTES);
     let output = to_pipe().expect("pipes");
+    let mut programs = start_all(output.writers, None, packets);
     let bodies = bodies();
-    for (program, writer) in PROGRAMS.iter().zip(output.writers) {
-        let mut running = (program.start)(writer, None);
-        let mut times = Vec::with_capacity(packets);
-        for number in 0..packets {
+    for number in 0..packets {
+        programs.rotate_left(1);
+        let (body, marks) = bodies[number % bodies.len()].split_at(BODY_BYTES);
+        for program in &mut programs {
             thread::sleep(Duration::from_millis(1));
-            let (body, marks) = bodies[number % bodies.len()].split_at(BODY_BYTES);
-            times.extend(time_of(&output.arrivals, || {
-                let written = running.line.writer.write_all(body);
-                written.expect("the line is open");
+            let writer = &mut program.running.line.writer;
+            program.times.extend(time_of(&output.arrivals, || {
+                writer.write_all(body).expect("the line is open");
                 let complete = Instant::now();
                 thread::sleep(wait);
-                let marks_written = running.line.writer.write_all(marks);
-                marks_written.expect("the line is open");
+                writer.write_all(marks).expect("the line is open");
                 complete
             }));
         }
+    }
+    for mut program in in_order(programs) {
         println!(
             "{:24} {baud:8}  {:16} {:6.1} µs {:6.1} µs   {:6.1} µs{}",
             output.name,
             program.name,
-            percentile(&mut times, 50),
-            percentile(&mut times, 99),
+            percentile(&mut program.times, 50),
+            percentile(&mut program.times, 99),
             wait.as_secs_f64() * 1e6,
-            lost(packets - times.len()),
+            lost(packets - program.times.len()),
         );
-        running.end();
+        program.running.end();
     }
 }
 
