@@ -3,6 +3,8 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+#[cfg(target_os = "linux")]
+mod in_place;
 mod landmarks;
 mod learning;
 mod lucidgloves;
