@@ -35,8 +35,8 @@ const HALVES: [(&str, i32, [&str; 4]); 2] = [
     ),
 ];
 
-/// The other kinds of controls; `{name}` and `{at}` are replaced.
-const KINDS: [(&str, &str); 10] = [
+/// The other kinds of controls; `{name}`, `{at}` and `{beside}` are replaced.
+const KINDS: [(&str, &str); 11] = [
     (
         "toggles",
         "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), hold: Key(\"F1\"))",
@@ -77,6 +77,10 @@ const KINDS: [(&str, &str); 10] = [
         "xy_pads",
         "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), x: (output: ScrollX(10)))",
     ),
+    (
+        "radios",
+        "(name: \"{name}\", options: [(name: \"{name} a\", at_mm: {at}, size_mm: Box(10, 10), hold: Key(\"F1\")), (name: \"{name} b\", at_mm: {beside}, size_mm: Box(10, 10), tap: Key(\"F2\"))])",
+    ),
 ];
 
 /// Returns a layout with this number of controls, half of them for each hand: keys within reach, and controls of all
@@ -94,15 +98,18 @@ fn layout(controls: usize) -> String {
             let _ = write!(text, "(at_mm: (-38, {y}), keys: \"{keys}\"),");
         }
         text.push_str("],");
-        let others = ((controls - 1) / 2).saturating_sub(20);
+        let free = ((controls - 1) / 2).saturating_sub(20);
+        // A radio group counts twice, as it has two targets. Each kind occurs.
+        let others = (free * KINDS.len() / (KINDS.len() + 1)).max(KINDS.len());
         for (kind, (list, form)) in KINDS.iter().enumerate() {
             let _ = write!(text, "{list}: [");
             for number in (0..others).filter(|number| number % KINDS.len() == kind) {
                 let (column, row) = (number % 120, number / 120);
-                let at = format!("({}, {})", 32 * column as i32 - 1904, 80 + 32 * row as i32);
+                let (x, y) = (32 * column as i32 - 1904, 80 + 32 * row as i32);
                 let control = form
                     .replace("{name}", &format!("{hand} {number}"))
-                    .replace("{at}", &at);
+                    .replace("{at}", &format!("({x}, {y})"))
+                    .replace("{beside}", &format!("({}, {y})", x + 11));
                 let _ = write!(text, "{control},");
             }
             text.push_str("],");

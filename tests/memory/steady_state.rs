@@ -335,6 +335,7 @@ fn controls_and_gestures_do_not_allocate() {
         radios: [(name: "R", options: [
             (name: "r0", at_mm: (0, 20), hold: Key("F1")), (name: "r1", at_mm: (20, 20), tap: Key("F2")),
         ])],
+        toggles: [(name: "t0", at_mm: (0, 110), hold: Key("F3")), (name: "t1", at_mm: (20, 110), tap: Key("F4"))],
         touch_surfaces: [
             (name: "pad", at_mm: (0, 60), size_mm: Box(40, 40), mode: Touchpad),
             (name: "screen", at_mm: (50, 60), size_mm: Box(40, 40), mode: Touchscreen),
