@@ -159,7 +159,7 @@ impl Sink for Clock {
 
 /// Prints the table.
 fn report(parts: [Vec<Part>; 2]) {
-    println!("\n| packet to output | events | p50 | p99 | of p99 without, goal 1.1 |");
+    println!("\n| packet to output | events | p50 | p99 | of p99 without, goal 1.3 |");
     println!("|---|---|---|---|---|");
     let mut without = None;
     for (name, mut run_parts) in ["without a window", "with a window"].iter().zip(parts) {
