@@ -12,7 +12,7 @@ const DARK = 55;
 const BRIGHT = 215;
 
 /** Time without an answer after which something is wrong, in milliseconds: the first image takes seconds. */
-const PATIENCE_MS = 15000;
+const TIMEOUT_MS = 15000;
 
 /** The landmarks that are joined by lines. */
 const CHAINS = [[0, 1, 2, 3, 4], [0, 5, 6, 7, 8], [5, 9, 10, 11, 12], [9, 13, 14, 15, 16], [13, 17, 18, 19, 20], [0, 17]];
@@ -147,7 +147,7 @@ function next(own) {
 
 /** Says that the finder of hands hangs. Its keys are released by then. */
 function check() {
-  if (running && (running.isBusy || !running.isReady) && performance.now() - running.asked > PATIENCE_MS) {
+  if (running && (running.isBusy || !running.isReady) && performance.now() - running.asked > TIMEOUT_MS) {
     running.asked = performance.now();
     // The next hand takes the message back.
     running.wasSeen = false;

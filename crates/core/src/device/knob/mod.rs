@@ -125,12 +125,12 @@ impl Knobs {
 
     fn release_rim(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         if let Some(grip) = self.rim_grips.release(touch) {
-            self.let_go(grip.control, touch.time, out);
+            self.return_to_rest(grip.control, touch.time, out);
         }
     }
 
     /// Returns a knob that nothing holds to rest, if it has a rest value.
-    fn let_go(&mut self, index: usize, time: Timestamp, out: &mut DeviceOutput) {
+    fn return_to_rest(&mut self, index: usize, time: Timestamp, out: &mut DeviceOutput) {
         let (_, emitter) = &mut self.knobs[index];
         if emitter.springs_back() {
             self.pending_returns.start(index, emitter, time, out);
@@ -194,7 +194,7 @@ impl Knobs {
         if let PinchState::Holding(grip) = before
             && !self.pinches[hand].holds(grip.knob)
         {
-            self.let_go(grip.knob, input.pose.time, out);
+            self.return_to_rest(grip.knob, input.pose.time, out);
         }
     }
 
