@@ -540,6 +540,25 @@ fn a_recording_announces_its_growth_and_the_room_on_the_disk() {
 }
 
 #[test]
+fn a_recording_of_positions_grows_by_no_more_than_it_announces() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("markers.mcap");
+    let source = "typist:hello?protocol=markers";
+    let ended = run(["record", text(&path), "--source", source]).done();
+    let expected = "markers.mcap: up to 360 MB an hour at 100 readings per second";
+    assert!(ended.err.contains(expected), "{}", ended.err);
+    // Without the schemas and the setup, which an hour does not repeat.
+    let size = std::fs::metadata(&path).unwrap().len() - 100_000;
+    let readings = ended
+        .err
+        .lines()
+        .find_map(|line| line.split_once(" readings: "));
+    let readings: u64 = readings.unwrap().0.parse().unwrap();
+    let per_hour = size as f64 / readings as f64 * 100.0 * 3600.0;
+    assert!((1e8..3.6e8).contains(&per_hour), "{per_hour} bytes an hour");
+}
+
+#[test]
 fn a_file_without_a_packet_is_a_failure() {
     let folder = tempfile::tempdir().unwrap();
     let noise = file(&folder, "noise.bin", "no packet in here");

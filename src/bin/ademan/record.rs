@@ -42,10 +42,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         on_notice: Some(end_when_incomplete()),
         ..SessionOptions::default()
     };
-    let rate_hz = recording_size::readings_per_second(&setup);
+    let growth = recording_size::Growth::new(&setup);
     let session = session::start(setup, options)?;
     // SIGUSR1 to all programs of this name stops their typing, and cuts no recording.
     pause_signals::install_without_session()?;
-    recording_size::announce(&session, &args.file, rate_hz);
+    recording_size::announce(&session, &args.file, growth);
     stats::report(session.join()?)
 }

@@ -148,7 +148,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         }
     }
     let checked = setup.clone();
-    let rate_hz = recording_size::readings_per_second(&setup);
+    let growth = recording_size::Growth::new(&setup);
     let session = session::start(setup, options)?;
     if let Some(volume) = args.sound {
         sound::start(&session, volume)?;
@@ -160,7 +160,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     // The system prefers this thread for the delivery of signals. The view does not inherit its priority.
     priority::raise_thread_priority();
     if let Some(path) = &record_to {
-        recording_size::announce(&session, path, rate_hz);
+        recording_size::announce(&session, path, growth);
     }
     let ended = session.join();
     drop(view);
