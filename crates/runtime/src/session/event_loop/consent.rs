@@ -13,10 +13,10 @@ impl SessionLoop<'_> {
         self.set_source_stats(stats);
         self.events.clear();
         if has_changed && self.pipeline.withdraw_allowed_keys(&mut self.events) {
+            self.send_events()?;
             tracing::warn!(
                 "another sender has followed the one that keys were allowed for: the roles of the setup apply again; allow keys once more if this one may type"
             );
-            self.send_events()?;
             // A replay has no senders.
             self.publish_command(Command::ForbidKeys, true);
         }
