@@ -37,6 +37,9 @@ const MAX_RECENT: usize = 24;
 /// The longest [`ViewState::typed`], in bytes: a line of a wide terminal.
 const MAX_TYPED_BYTES: usize = 240;
 
+/// Values of controls for which there is room from the start: more than panels have.
+const VALUES: usize = 64;
+
 /// The maximum distance of a fingertip from a board that a view shows, in metres.
 const MAX_HEIGHT: f32 = 0.3;
 
@@ -53,7 +56,7 @@ pub(super) struct Published {
     pub state: ViewState,
 }
 
-/// Publishes views of the session loop. Allocates only while there is a viewer.
+/// Publishes views of the session loop. Allocates only while there is a viewer, and for the values of more than [`VALUES`] controls.
 pub(in crate::session) struct ViewPublisher {
     views: LatestSender<Published>,
     /// The number of viewers.
@@ -110,7 +113,7 @@ impl ViewPublisher {
             keys: PressedKeys::default(),
             recent: ArrayVec::new(),
             typed: UsTextField::with_capacity(MAX_TYPED_BYTES),
-            values: Vec::new(),
+            values: Vec::with_capacity(VALUES),
             axes: [0.0; Axis::COUNT],
             selected: ArrayVec::new(),
             rate: Rate::default(),
