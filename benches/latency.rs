@@ -14,7 +14,7 @@
 //! that sends 100 Mbit/s of noise. The control socket shows the steps of `ours` to its clients.
 //!
 //! Events go to a pipe, in one system call with as many bytes as an event of uinput, and to an X server, where the time
-//! ends when a client has received the key.
+//! ends when a client has received the key. The output has a watchdog, to which it reports each press before it, as in a run.
 //!
 //! The last table is the frame-to-event time of a real line. The feeder notes the time when the last byte of a packet is in
 //! the kernel, and sends the header of the next packet, which confirms it, as late as a line of that bit rate does. The time

@@ -1,5 +1,7 @@
 //! A key on an X server, and a client that receives it.
 
+use std::os::unix::process::CommandExt;
+use std::process::Command;
 use std::sync::Arc;
 use std::thread;
 use std::time::Instant;
@@ -7,6 +9,7 @@ use std::time::Instant;
 use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan::output::Sink;
 use ademan::output::desktop::Desktop;
+use ademan::output::watchdog::WatchdogSettings;
 use ademan::time::Timestamp;
 use crossbeam_channel::{Sender, bounded};
 use x11rb::connection::Connection;
@@ -20,6 +23,9 @@ use x11rb::rust_connection::RustConnection;
 
 use super::programs::{Output, Writer};
 use super::support::x11::{XServer, wait_for};
+
+/// The argument with which this program starts itself as the watchdog of an output, before its display.
+pub const WATCHDOG: &str = "--watchdog";
 
 /// The X11 key codes of A and S. A pressed key cannot be pressed again, so each program has its own.
 const PLAIN_KEYS: [u8; 2] = [38, 39];
@@ -42,8 +48,14 @@ pub fn output() -> Option<Output> {
         })
     };
     let server = Arc::new(server);
+    let watchdog = WatchdogSettings {
+        program: std::env::current_exe().expect("this program has a path"),
+        arguments: vec![WATCHDOG.into(), display.clone().into()],
+        on_lost: Arc::new(|| {}),
+    };
     let ours = |key: &str| -> Box<dyn Writer> {
-        let desktop = Desktop::open(Some(&display), &Capabilities::default());
+        let required = Capabilities::default();
+        let desktop = Desktop::open_with_watchdog(Some(&display), &watchdog, &required);
         Box::new(Ours {
             desktop: desktop.expect("the server answers"),
             key: key.parse().expect("a key"),
@@ -57,6 +69,16 @@ pub fn output() -> Option<Output> {
         writers: writers.collect(),
         arrivals,
     })
+}
+
+/// Becomes the watchdog of an output on this display: the program with another environment.
+pub fn become_watchdog(display: &str) -> ! {
+    let error = Command::new(env!("CARGO_BIN_EXE_ademan"))
+        .arg("watchdog")
+        .env("DISPLAY", display)
+        .env_remove("WAYLAND_DISPLAY")
+        .exec();
+    panic!("the watchdog does not start: {error}");
 }
 
 /// Reports the time of each key event.
@@ -111,7 +133,7 @@ impl Writer for Plain {
     }
 }
 
-/// The output `desktop`.
+/// The output `desktop`, with its watchdog.
 struct Ours {
     desktop: Desktop,
     key: KeyCode,
@@ -119,16 +141,27 @@ struct Ours {
     _server: Arc<XServer>,
 }
 
-impl Writer for Ours {
-    fn write(&mut self) {
-        self.is_pressed = !self.is_pressed;
-        let action = if self.is_pressed {
+impl Ours {
+    fn set(&mut self, is_pressed: bool) {
+        self.is_pressed = is_pressed;
+        let kind = if is_pressed {
             EventKind::KeyDown(self.key)
         } else {
             EventKind::KeyUp(self.key)
         };
         let time = Timestamp(0);
-        let sent = self.desktop.send(&[OutputEvent { time, kind: action }]);
+        let sent = self.desktop.send(&[OutputEvent { time, kind }]);
         sent.expect("the server runs");
+    }
+}
+
+impl Writer for Ours {
+    fn write(&mut self) {
+        if self.desktop.has_stalled() {
+            // A session releases everything then; otherwise the output would drop all later presses.
+            self.desktop.void_presses();
+            self.set(false);
+        }
+        self.set(!self.is_pressed);
     }
 }

@@ -138,14 +138,17 @@ impl Desktop {
         })
     }
 
-    /// Connects to the desktop of the session and starts a watchdog, which releases keys if this process cannot.
+    /// Connects to `display` as [`open`](Self::open) does, and starts a watchdog, which releases keys if this process cannot. The command
+    /// of the watchdog has to connect to the same display.
     pub fn open_with_watchdog(
+        display: Option<&str>,
         watchdog: &WatchdogSettings,
         required: &Capabilities,
     ) -> Result<Self, OutputError> {
+        let display = display.map(str::to_owned);
         let needs_pointer = required.iter().any(needs_pointer);
         Self::start(Some(watchdog), MAX_PRESS_AGE, move || {
-            connect(None, needs_pointer)
+            connect(display.as_deref(), needs_pointer)
         })
     }
 
@@ -472,7 +475,7 @@ fn capabilities() -> Capabilities {
 /// Opens the output for the desktop of the session.
 fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
     Ok(Box::new(match request.watchdog {
-        Some(watchdog) => Desktop::open_with_watchdog(watchdog, request.required)?,
+        Some(watchdog) => Desktop::open_with_watchdog(None, watchdog, request.required)?,
         None => Desktop::open(None, request.required)?,
     }))
 }
