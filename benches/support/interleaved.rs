@@ -21,7 +21,7 @@ pub fn fastest(rounds: usize, passes: &mut [Pass]) -> Vec<Duration> {
     times
 }
 
-/// Returns whether the program was started to measure (`cargo bench`) and not to run once (`cargo test --benches`).
+/// Returns `true` if the program was started to measure (`cargo bench`) and not to run once (`cargo test --benches`).
 pub fn is_measuring() -> bool {
     std::env::args().any(|argument| argument == "--bench")
 }

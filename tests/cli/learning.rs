@@ -40,7 +40,7 @@ fn above_the_key() -> Posture {
     lowest.expect("the hand over the key presses nothing")
 }
 
-/// Returns whether a hand that moves from a clear posture to another one presses a key.
+/// Returns `true` if a hand that moves from a clear posture to another one presses a key.
 fn presses(clear: &Posture, posture: &Posture) -> bool {
     let mut pipeline = Setup::default()
         .load_files()

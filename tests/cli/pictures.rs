@@ -188,7 +188,7 @@ fn read_by(program: &str, arguments: &[&str]) -> String {
     String::from_utf8(read.stdout).unwrap()
 }
 
-/// Returns whether there is a program that reads pages, or says that the test is skipped.
+/// Returns `true` if there is a program that reads pages. Prints SKIPPED without one.
 #[cfg(feature = "pictures")]
 fn has_reader_of_pages() -> bool {
     let reader = std::process::Command::new("pdftotext").arg("-v").output();

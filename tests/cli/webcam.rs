@@ -8,7 +8,7 @@ use crate::{Ended, file, run, text};
 
 const MODELS: &str = "https://ai.google.dev/edge/mediapipe/solutions/vision/";
 
-/// Returns whether there is a Python; prints SKIPPED without one.
+/// Returns `true` if there is a Python; prints SKIPPED without one.
 fn has_python() -> bool {
     let found = Command::new("python3")
         .arg("--version")

@@ -58,7 +58,7 @@ impl Views {
         assert!(wait_for(is_active), "{name}: {:?}", self.profiles());
     }
 
-    /// Returns whether the latest view has a pressed key.
+    /// Returns `true` if the latest view has a pressed key.
     pub fn has_pressed_key(&self) -> bool {
         self.all().last().is_some_and(|(_, keys)| !keys.is_empty())
     }

@@ -178,7 +178,7 @@ impl Learning {
     }
 }
 
-/// Returns whether a hand that moves from the clear posture to `posture` presses a key with what was learned.
+/// Returns `true` if a hand that moves from the clear posture to `posture` presses a key with what was learned.
 fn presses(hand: &Learning, posture: &Posture) -> bool {
     let mut loaded = hand.loaded.clone();
     loaded.setup.learn_ranges = false;

@@ -88,7 +88,7 @@ impl GloveEditor {
         &self.now.map
     }
 
-    /// Returns whether there are changes that are not saved.
+    /// Returns `true` if there are changes that are not saved.
     pub fn is_changed(&self) -> bool {
         self.now != self.saved
     }
@@ -127,7 +127,7 @@ impl GloveEditor {
         self.set_calibration(EditKind::Offset(row), row, new);
     }
 
-    /// Returns whether the angles of a channel fall with its counts.
+    /// Returns `true` if the angles of a channel fall with its counts.
     pub fn is_inverted(&self, channel: usize) -> bool {
         let mut rows = self.now.map.rows().iter();
         rows.any(|row| row.channel == channel && row.calibration.gain < 0.0)
@@ -199,12 +199,12 @@ impl GloveEditor {
         self.open = None;
     }
 
-    /// Returns whether there is an edit to undo.
+    /// Returns `true` if there is an edit to undo.
     pub fn can_undo(&self) -> bool {
         !self.done.is_empty()
     }
 
-    /// Returns whether there is an undone edit to repeat.
+    /// Returns `true` if there is an undone edit to repeat.
     pub fn can_redo(&self) -> bool {
         !self.undone.is_empty()
     }

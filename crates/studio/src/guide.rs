@@ -102,7 +102,7 @@ impl Guide {
         }
     }
 
-    /// Returns whether a simulated person takes the poses.
+    /// Returns `true` if a simulated person takes the poses.
     pub fn is_demonstration(&self) -> bool {
         self.person.is_some()
     }
@@ -231,7 +231,7 @@ impl Guide {
         })
     }
 
-    /// Returns whether the present pose is taken for a joint.
+    /// Returns `true` if the present pose is taken for a joint.
     pub fn moves(&self, dof: Dof) -> bool {
         self.pose()
             .is_some_and(|pose| pose.defines(dof) && pose.expected(dof).radians != 0.0)

@@ -246,7 +246,7 @@ impl SensorControl {
     }
 
     /// Saves the glove. A file that this window has not written is replaced only with `may_replace`; otherwise a question is
-    /// shown. Returns whether it was saved.
+    /// shown. Returns `true` if it was saved.
     pub fn save(&mut self, may_replace: bool) -> bool {
         (self.question, self.notice, self.message) = (None, None, None);
         let (Some(editor), Ok(file)) = (&mut self.editor, &mut self.file) else {

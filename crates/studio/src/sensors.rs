@@ -185,7 +185,7 @@ impl SensorTable {
         !self.is_simulated && row.is_constant() && self.has_neighbour_moved(row)
     }
 
-    /// Returns whether another sensor has bent the finger of this one far. A finger bends at all its joints; a hand that rests may
+    /// Returns `true` if another sensor has bent the finger of this one far. A finger bends at all its joints; a hand that rests may
     /// hold an arm still.
     fn has_neighbour_moved(&self, row: &SensorRow) -> bool {
         let Some(finger) = row.bent_finger() else {

@@ -64,7 +64,7 @@ impl SetupChange {
         })
     }
 
-    /// Returns whether the session starts paused, because it reaches other programs through outputs that were chosen just now.
+    /// Returns `true` if the session starts paused, because it reaches other programs through outputs that were chosen just now.
     pub fn needs_resume(&self, next: &Setup) -> bool {
         let is_output_chosen = matches!(self, Self::Output(_) | Self::File(_));
         is_output_chosen && output::has_effect(&next.output)

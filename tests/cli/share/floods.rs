@@ -170,7 +170,7 @@ fn read_some(stream: &mut TcpStream, count: usize) {
     stream.read_exact(&mut bytes).expect("the client is served");
 }
 
-/// Sends the same bytes until the client is disconnected. Returns whether it was.
+/// Sends the same bytes until the client is disconnected. Returns `true` if it was.
 fn flood(stream: &mut TcpStream, start: &[u8], bytes: &[u8]) -> bool {
     let many = bytes.repeat(10_000);
     let begin = Instant::now();

@@ -55,7 +55,7 @@ fn go_behind(browser: &mut Browser, part: &str) {
     ));
 }
 
-/// Returns whether the list has a name.
+/// Returns `true` if the list has a name.
 fn offers(look: &Value, name: &str) -> bool {
     look["names"]
         .as_array()

@@ -109,7 +109,7 @@ fn type_until(
     }
 }
 
-/// Returns whether a key is down at the end of a transcript.
+/// Returns `true` if a key is down at the end of a transcript.
 fn is_down(transcript: &str, key: &str) -> bool {
     let words = ["down", "up  "].map(|word| transcript.rfind(&format!("{word} {key}")));
     words[0] > words[1]

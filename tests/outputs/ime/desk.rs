@@ -165,7 +165,7 @@ pub const QT_6: Toolkit = Toolkit {
 };
 
 impl Toolkit {
-    /// Returns whether its text fields can be opened. Prints a message if not.
+    /// Returns `true` if its text fields can be opened. Prints a message if not.
     pub fn is_installed(&self) -> bool {
         succeeds(Command::new(PYTHON).args(["-c", self.needs]), self.packages)
     }
@@ -270,14 +270,14 @@ pub fn write_setup(folder: &Path, text: &str) -> PathBuf {
     setup
 }
 
-/// Returns whether text fields can be opened. Prints a message if not.
+/// Returns `true` if text fields can be opened. Prints a message if not.
 pub fn has_gtk() -> bool {
     let gtk = "import gi; gi.require_version('Gtk', '3.0')";
     let mut python = Command::new(PYTHON);
     succeeds(python.args(["-c", gtk]), "python3-gi and gir1.2-gtk-3.0")
 }
 
-/// Returns whether a command succeeds. Prints that its package is missing if not.
+/// Returns `true` if a command succeeds. Prints that its package is missing if not.
 fn succeeds(command: &mut Command, package: &str) -> bool {
     let is_installed = command.output().is_ok_and(|output| output.status.success());
     if !is_installed {

@@ -48,7 +48,7 @@ impl Keyboard {
         }
     }
 
-    /// Returns whether the window of the devices is seen: it is gray, and the 3D view behind it is blue there.
+    /// Returns `true` if the window of the devices is seen: it is gray, and the 3D view behind it is blue there.
     fn is_open(&self) -> bool {
         let root = self.client.setup().roots[0].root;
         let (x, y) = MARGIN;

@@ -134,7 +134,7 @@ impl FirstWindow {
         }
     }
 
-    /// Returns whether the radio button whose name contains these words is chosen.
+    /// Returns `true` if the radio button whose name contains these words is chosen.
     fn is_chosen(&self, words: &str) -> bool {
         let buttons = self.harness.query_all_by_role(Role::RadioButton);
         let mut own = buttons.filter(|button| {

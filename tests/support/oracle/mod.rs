@@ -264,7 +264,7 @@ impl Oracle {
         Ok(())
     }
 
-    /// Returns whether a key or button is pressed or an axis is off center.
+    /// Returns `true` if a key or button is pressed or an axis is off center.
     pub fn has_pressed(&self) -> bool {
         self.output
             .check_all_released(PipelineState::Running)

@@ -166,7 +166,7 @@ struct StepTotals {
     motion: Vec2,
 }
 
-/// Returns whether the pressed keys act on the system: one of them alone, or one of them with Control and Alt.
+/// Returns `true` if the pressed keys act on the system: one of them alone, or one of them with Control and Alt.
 fn is_system_chord(pressed: &[KeyCode]) -> bool {
     let is_pressed = |names: &[&str]| pressed.iter().any(|key| names.contains(&key.name()));
     is_pressed(&["MetaLeft", "MetaRight", "PrintScreen"])
@@ -191,7 +191,7 @@ fn is_system_chord(pressed: &[KeyCode]) -> bool {
             ])
 }
 
-/// Returns whether an event is permitted without an accepted reading.
+/// Returns `true` if an event is permitted without an accepted reading.
 fn is_release(kind: EventKind) -> bool {
     match kind {
         EventKind::KeyUp(_) | EventKind::Unselect(_) | EventKind::Value(..) => true,

@@ -111,7 +111,7 @@ impl StateCheck {
     }
 }
 
-/// Returns whether the last touch of each finger is its end.
+/// Returns `true` if the last touch of each finger is its end.
 fn is_clear(touches: &[Touch]) -> bool {
     let is_end = |phase| matches!(phase, Phase::Left | Phase::Cancelled);
     let last_of = |finger| touches.iter().rfind(|touch| touch.finger == finger);

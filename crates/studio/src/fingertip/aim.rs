@@ -57,12 +57,12 @@ impl Aim {
         }
     }
 
-    /// Returns whether the button that is down belongs to the fingertip, so that it moves no camera.
+    /// Returns `true` if the button that is down belongs to the fingertip, so that it moves no camera.
     pub fn has_button(&self) -> bool {
         self.grip != Grip::None
     }
 
-    /// Follows the mouse. Returns whether it is over a front.
+    /// Follows the mouse. Returns `true` if it is over a front.
     pub fn follow(&mut self, model: &StudioModel, mouse: Mouse) -> bool {
         self.is_followed = true;
         let front = mouse.ray.and_then(|ray| self.front(model, &ray));

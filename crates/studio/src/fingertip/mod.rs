@@ -85,7 +85,7 @@ impl Fingertip {
         })
     }
 
-    /// Returns whether it is for this layout of the window.
+    /// Returns `true` if it is for this layout of the window.
     pub fn is_for(&self, layout: &Arc<Layout>) -> bool {
         Arc::ptr_eq(&self.layout, layout)
     }

@@ -232,7 +232,7 @@ impl FirstStart {
         &mut self.is_calibrated
     }
 
-    /// Returns whether the source needs a calibrated glove.
+    /// Returns `true` if the source needs a calibrated glove.
     pub fn needs_glove(&self) -> bool {
         self.source().is_some_and(SourceUri::needs_glove)
     }

@@ -70,7 +70,7 @@ impl Search {
         &self.cameras
     }
 
-    /// Returns whether a port is still listened to.
+    /// Returns `true` if a port is still listened to.
     pub fn is_listening(&self) -> bool {
         self.ports.iter().any(|port| port.heard.is_none())
     }

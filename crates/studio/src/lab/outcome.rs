@@ -82,7 +82,7 @@ impl LabOutcome {
         heats(&self.own.layout, &self.own.scores)
     }
 
-    /// Returns whether the run is of this text.
+    /// Returns `true` if the run is of this text.
     pub fn is_of(&self, text: &str) -> bool {
         self.own.text == text
     }

@@ -85,7 +85,7 @@ impl OverlayBoards {
         }
     }
 
-    /// Returns whether the boards belong to this layout.
+    /// Returns `true` if the boards belong to this layout.
     pub fn are_of(&self, layout: &Arc<Layout>) -> bool {
         Arc::ptr_eq(&self.layout, layout)
     }

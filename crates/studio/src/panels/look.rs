@@ -102,7 +102,7 @@ pub(super) fn focus_color(is_dark: bool) -> Color32 {
     }
 }
 
-/// Makes a panel reachable with F6, names it for screen readers, and draws a line around it while it has the focus. Returns whether
+/// Makes a panel reachable with F6, names it for screen readers, and draws a line around it while it has the focus. Returns `true` if
 /// it has.
 pub(super) fn mark_panel(ui: &mut egui::Ui, state: &mut PanelState, key: &'static str) -> bool {
     let area = ui.max_rect();

@@ -211,7 +211,7 @@ impl PanelState {
         }
     }
 
-    /// Returns whether a panel that can be hidden is shown beside the 3D view.
+    /// Returns `true` if a panel that can be hidden is shown beside the 3D view.
     fn shows(&self, panel: &str) -> bool {
         !self.settings.hidden_panels.iter().any(|it| it == panel)
     }
@@ -225,7 +225,7 @@ impl PanelState {
         }
     }
 
-    /// Returns whether the layout of the editor is shown: there, or in the lab.
+    /// Returns `true` if the layout of the editor is shown: there, or in the lab.
     fn shows_layout(&self) -> bool {
         matches!(self.workspace, Workspace::Layout | Workspace::Lab)
     }
@@ -236,7 +236,7 @@ impl PanelState {
         self.shows_keys || self.devices.is_open() || self.tour.index().is_some() || has_headset
     }
 
-    /// Returns whether the editor has a layout.
+    /// Returns `true` if the editor has a layout.
     fn has_layout(&self) -> bool {
         matches!(self.editor, Some(Ok(_)))
     }
@@ -252,7 +252,7 @@ impl PanelState {
         Ok(())
     }
 
-    /// Returns whether threads of the lab are at work, whose progress is shown.
+    /// Returns `true` if threads of the lab are at work, whose progress is shown.
     pub fn is_busy(&self) -> bool {
         self.lab.is_busy()
     }
@@ -308,7 +308,7 @@ impl PanelState {
     }
 }
 
-/// Returns whether a number field was changed. A field that is left without a change rounds its number to what it shows, which must
+/// Returns `true` if a number field was changed. A field that is left without a change rounds its number to what it shows, which must
 /// not reach a file.
 fn is_other_number(old: f64, new: f64, decimals: usize) -> bool {
     let shown = |number: f64| format!("{number:.decimals$}");

@@ -213,7 +213,7 @@ impl Player {
         (index - first.saturating_sub(1)).min(MAX_STEPS / 2)
     }
 
-    /// Returns whether the history before a step is loaded, too.
+    /// Returns `true` if the history before a step is loaded, too.
     fn has_history(&self, index: usize) -> bool {
         index - self.steps_of_history(index) >= self.first
     }
@@ -274,7 +274,7 @@ impl Player {
         self.times.first().copied().zip(self.times.last().copied())
     }
 
-    /// Returns whether the recording plays.
+    /// Returns `true` if the recording plays.
     pub fn is_playing(&self) -> bool {
         self.is_playing
     }
@@ -284,12 +284,12 @@ impl Player {
         self.speed
     }
 
-    /// Returns whether the model belongs to the wanted position.
+    /// Returns `true` if the model belongs to the wanted position.
     pub fn is_shown(&self) -> bool {
         self.shown == Some(self.wanted)
     }
 
-    /// Returns whether the whole recording was loaded once.
+    /// Returns `true` if the whole recording was loaded once.
     pub fn is_complete(&self) -> bool {
         self.end.is_some()
     }

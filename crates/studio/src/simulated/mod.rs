@@ -58,7 +58,7 @@ pub fn simulate(
 }
 
 impl HandControl {
-    /// Returns whether the setup or the command line names the person.
+    /// Returns `true` if the setup or the command line names the person.
     pub fn has_own_person(&self) -> bool {
         self.setup.setup.person.is_some()
     }

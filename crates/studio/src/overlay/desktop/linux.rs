@@ -15,7 +15,7 @@ pub fn ability() -> Ability {
     }
 }
 
-/// Returns whether the X server has a compositor, which owns a selection (Extended Window Manager Hints 1.5, "Compositing
+/// Returns `true` if the X server has a compositor, which owns a selection (Extended Window Manager Hints 1.5, "Compositing
 /// Managers"). `None` without an X server.
 fn has_compositor() -> Option<bool> {
     let (client, screen) = x11rb::connect(None).ok()?;

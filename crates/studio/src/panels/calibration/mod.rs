@@ -93,7 +93,7 @@ fn big_button(name: impl Into<RichText>) -> egui::Button<'static> {
     egui::Button::new(name.into().size(16.0)).min_size(egui::vec2(120.0, 34.0))
 }
 
-/// Returns whether a button is clicked, or its key is pressed.
+/// Returns `true` if a button is clicked, or its key is pressed.
 fn button(ui: &mut egui::Ui, name: &'static str, key: Key, hint: &str) -> bool {
     let is_free = !ui.ctx().text_edit_focused() && !editor::is_asked(ui);
     let is_pressed = is_free && ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));

@@ -92,7 +92,7 @@ impl DevicesWindow {
         }
     }
 
-    /// Returns whether it is open.
+    /// Returns `true` if it is open.
     pub fn is_open(&self) -> bool {
         self.is_open
     }

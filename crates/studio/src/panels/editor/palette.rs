@@ -256,7 +256,7 @@ fn edit_selected(name: &'static str, edit: impl Fn(Vec<Part>) -> Edit + 'static)
     })
 }
 
-/// Returns whether a name has all words of a query, in any order and case.
+/// Returns `true` if a name has all words of a query, in any order and case.
 fn is_found(name: &str, query: &str) -> bool {
     let name = name.to_lowercase();
     let query = query.to_lowercase();

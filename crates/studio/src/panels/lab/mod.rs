@@ -64,7 +64,7 @@ pub enum WatchChange {
 }
 
 impl LabState {
-    /// Returns whether a thread is at work.
+    /// Returns `true` if a thread is at work.
     pub fn is_busy(&self) -> bool {
         self.run.is_some() || self.watching.is_some()
     }

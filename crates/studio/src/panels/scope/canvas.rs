@@ -200,7 +200,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Returns whether a time in seconds is within the window.
+    /// Returns `true` if a time in seconds is within the window.
     pub fn shows(&self, seconds: f64) -> bool {
         (self.from..=self.to).contains(&seconds)
     }

@@ -46,7 +46,7 @@ pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
     }
 }
 
-/// Shows the question whether to replace a file, if there is one. Returns whether the file was saved.
+/// Shows the question whether to replace a file, if there is one. Returns `true` if the file was saved.
 pub(in crate::panels) fn show_question(ui: &mut egui::Ui, sensors: &mut SensorControl) -> bool {
     let (Some(file), Some(backup)) = (sensors.question(), sensors.backup()) else {
         return false;
