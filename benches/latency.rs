@@ -16,7 +16,7 @@
 //! Events go to a pipe, in one system call with as many bytes as an event of uinput, and to an X server, where the time
 //! ends when a client has received the key. The output has a watchdog, to which it reports each press before it, as in a run.
 //!
-//! The last table is the frame-to-event time of a real line. The feeder notes the time when the last byte of a packet is in
+//! The last table is of a real line, from the last byte of a packet to its event. The feeder notes the time when that byte is in
 //! the kernel, and sends the header of the next packet, which confirms it, as late as a line of that bit rate does. The time
 //! includes that wait of the protocol, which is stated beside it.
 //!

@@ -64,7 +64,7 @@ pub fn main() {
     println!();
     println!(
         "{:24} {:>8}  {:16} {:>9} {:>9}   of it the protocol's wait",
-        "frame to event", "baud", "", "p50", "p99"
+        "last byte to event", "baud", "", "p50", "p99"
     );
     for baud in [115_200, 9_600] {
         measure_line(NonZeroU32::new(baud).expect("not zero"), measured / 10);
