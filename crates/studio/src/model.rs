@@ -73,7 +73,11 @@ pub struct StudioModel {
 impl StudioModel {
     /// Creates the state before the first snapshot.
     pub fn new(view: View, sensors: SensorTable) -> Self {
-        let mut shapes = Shapes::default();
+        Self::with_shapes(view, sensors, Shapes::default())
+    }
+
+    /// Creates the state before the first snapshot. `shapes` are the meshes of no layout yet.
+    pub fn with_shapes(view: View, sensors: SensorTable, mut shapes: Shapes) -> Self {
         shapes.update(&view.layout);
         Self {
             view,

@@ -10,6 +10,7 @@ use super::{LoadedSetup, Setup, SetupError, kind};
 use crate::capture::recording::RecordedSetup;
 use crate::files::OpenDocument;
 use ademan_core::document::{Document, DocumentError, FileKind};
+use ademan_core::layout::Layout;
 
 /// Changes to the setup of a recording.
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,6 +67,17 @@ impl LoadedSetup {
         loaded.load_language(super::text::refuse_model);
         loaded.ignored_permissions = ignored_permissions;
         Ok(loaded)
+    }
+
+    /// Returns `true` if a layout is data of a recording, whose name is no path on this machine. A file that replaces the recorded layout
+    /// is none.
+    pub fn has_recorded_layouts(&self) -> bool {
+        let is_file = |layout: &Layout| {
+            let mut documents = self.documents.iter();
+            let document = documents.find(|(_, document)| document.file == layout.file);
+            document.is_some_and(|(_, document)| document.path.is_some())
+        };
+        !self.has_files && !self.layouts().all(is_file)
     }
 
     /// Returns the setup and all its files as texts, for a recording.

@@ -25,6 +25,7 @@ use crate::playback::Player;
 use crate::sensor_control::SensorControl;
 use crate::settings::Settings;
 use crate::settings_file::SettingsFile;
+use crate::shapes::Shapes;
 use crate::simulated::HandControl;
 use crate::sound::Sound;
 use ademan_core::command::Command;
@@ -86,8 +87,9 @@ impl StudioApp {
         let viewer = session.add_viewer();
         let view = viewer.views().recv().map_err(|_| StudioError::Ended)?;
         let sensors = SensorControl::new(session.sensors());
+        let shapes = Shapes::for_setup(sensors.setup());
         Ok(Self {
-            model: StudioModel::new(view, sensors.table()),
+            model: StudioModel::with_shapes(view, sensors.table(), shapes),
             snapshots: session.snapshots().clone(),
             viewer,
             commands: session.commands().clone(),

@@ -102,6 +102,7 @@ pub fn watch(
     let recording = Recording {
         path: file.0.clone(),
         setup,
+        has_own_layout: true,
     };
     let watched = WatchedPerson {
         score: score.clone(),

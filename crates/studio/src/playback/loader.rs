@@ -13,6 +13,7 @@ use super::step::RecordedStep;
 use crate::history::History;
 use crate::model::StudioModel;
 use crate::sensors::{SensorTable, other_side};
+use crate::shapes::Shapes;
 use ademan_core::command::Command;
 use ademan_core::pipeline::{Pipeline, PipelineState};
 use ademan_core::snapshot::StepView;
@@ -52,6 +53,8 @@ pub struct Recording {
     pub path: PathBuf,
     /// Its setup, with the layout that replaces the recorded one, if any.
     pub setup: LoadedSetup,
+    /// `true` if this person has made it of a layout of their own, whose meshes are files on this machine.
+    pub has_own_layout: bool,
 }
 
 impl Recording {
@@ -65,6 +68,7 @@ impl Recording {
         Ok(Self {
             path: path.to_owned(),
             setup: LoadedSetup::from_recording(replay.setup(), &settings)?,
+            has_own_layout: false,
         })
     }
 
@@ -73,9 +77,15 @@ impl Recording {
         let map = self.setup.glove.as_ref().map(|glove| &glove.map);
         let source = format!("recording:{}", self.path.to_string_lossy());
         let sensors = map.map(SensorTable::new).unwrap_or_default();
-        StudioModel::new(
+        let shapes = if self.has_own_layout {
+            Shapes::default()
+        } else {
+            Shapes::for_setup(&self.setup)
+        };
+        StudioModel::with_shapes(
             session::first_view(&self.setup, &source),
             sensors.with_other_hand(other_side(&self.setup)),
+            shapes,
         )
     }
 

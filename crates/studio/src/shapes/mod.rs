@@ -15,6 +15,7 @@ use ademan_core::document::{Document, shipped_mesh};
 use ademan_core::layout::{Layout, Shape, arm_shapes};
 use ademan_core::message::escape;
 use ademan_runtime::files::{FileError, open_trusted};
+use ademan_runtime::setup::LoadedSetup;
 
 /// The largest file of a mesh, and of each of its buffers, in bytes: 4 MiB.
 pub const MAX_FILE_BYTES: u64 = 4 << 20;
@@ -25,6 +26,9 @@ pub enum ShapeError {
     /// The file cannot be read.
     #[error("cannot read the file: {0}")]
     File(#[from] FileError),
+    /// The layout or arm is data of a recording, and the mesh does not come with the program.
+    #[error("a recording has no meshes, and no file is opened because it names one")]
+    Recorded,
     /// There is no such file, or the layout is not a file.
     #[error("there is no such file beside the layout or arm")]
     NotFound,
@@ -58,6 +62,8 @@ pub enum ShapeError {
 /// The meshes of the active layout.
 #[derive(Clone, Default)]
 pub struct Shapes {
+    /// `true` if layouts are data of a recording, whose names are no paths on this machine.
+    is_recorded: bool,
     layout: Option<Arc<Layout>>,
     meshes: BTreeMap<String, Arc<TriangleMesh>>,
     errors: Vec<String>,
@@ -66,6 +72,14 @@ pub struct Shapes {
 }
 
 impl Shapes {
+    /// Creates an empty set of meshes for the layouts of a setup.
+    pub fn for_setup(setup: &LoadedSetup) -> Self {
+        Self {
+            is_recorded: setup.has_recorded_layouts(),
+            ..Self::default()
+        }
+    }
+
     /// Reads the meshes of a layout, unless it read them last. A mesh that cannot be read has an
     /// [error](Self::errors).
     pub fn update(&mut self, layout: &Arc<Layout>) {
@@ -83,7 +97,8 @@ impl Shapes {
             if self.meshes.contains_key(&shape.file) {
                 continue;
             }
-            match load(&layout.text, &layout.file, &shape.file) {
+            let path = (!self.is_recorded).then_some(layout.file.as_str());
+            match load(&layout.text, path, &shape.file) {
                 Ok(mesh) => _ = self.meshes.insert(shape.file.clone(), Arc::new(mesh)),
                 Err(error) => self.errors.push(message(&shape.file, &error)),
             }
@@ -95,8 +110,10 @@ impl Shapes {
     pub fn set_arm(&mut self, document: &Document) {
         self.limbs.clear();
         self.limb_errors.clear();
+        // A text that was read from no file came with the program or a recording.
+        let path = document.path.as_ref().map(|_| document.file.as_str());
         for shape in arm_shapes(document).unwrap_or_default() {
-            match load(&document.text, &document.file, &shape.file) {
+            match load(&document.text, path, &shape.file) {
                 Ok(mesh) => self.limbs.push((shape, Arc::new(mesh))),
                 Err(error) => self.limb_errors.push(message(&shape.file, &error)),
             }
@@ -124,13 +141,13 @@ fn message(file: &str, error: &ShapeError) -> String {
     format!("cannot draw {}: {error}", escape(file))
 }
 
-/// Reads the mesh in a file beside the layout or arm with this text and path. For a layout that comes with the program, that file does
-/// too.
-pub fn load(text: &str, path: &str, file: &str) -> Result<TriangleMesh, ShapeError> {
+/// Reads the mesh in a file beside the layout or arm with this text and path, which data of a recording do not have. For a layout that
+/// comes with the program, that file does too.
+pub fn load(text: &str, path: Option<&str>, file: &str) -> Result<TriangleMesh, ShapeError> {
     if let Some(text) = shipped_mesh(text, file) {
         return obj_file::read(text.as_bytes());
     }
-    let path = Path::new(path);
+    let path = Path::new(path.ok_or(ShapeError::Recorded)?);
     if !path.is_file() {
         return Err(ShapeError::NotFound);
     }

@@ -4,7 +4,9 @@ use parry3d::math::Vec3;
 use tempfile::TempDir;
 
 use super::*;
+use ademan_runtime::capture::recording::RecordedSetup;
 use ademan_runtime::files::{Load, OpenDocument};
+use ademan_runtime::setup::ReplaySettings;
 
 /// A pyramid on a square: the square face becomes two triangles.
 const PYRAMID: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 2\nf 1 2 3 4\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
@@ -20,7 +22,7 @@ fn layout(folder: &TempDir, file: &str) -> Arc<Layout> {
 }
 
 fn load_beside(layout: &Layout, file: &str) -> Result<TriangleMesh, ShapeError> {
-    load(&layout.text, &layout.file, file)
+    load(&layout.text, Some(&layout.file), file)
 }
 
 /// Reads a mesh with this content.
@@ -277,4 +279,41 @@ fn an_arm_file_has_meshes_for_its_limbs() {
     );
     loaded.set_arm(&Document::shipped("unam").unwrap());
     assert_eq!((loaded.limbs().len(), loaded.errors().count()), (0, 0));
+}
+
+#[test]
+fn no_mesh_is_opened_because_a_recording_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = layout(&folder, "a.obj");
+    fs::write(folder.path().join("a.obj"), PYRAMID).unwrap();
+    let recorded = RecordedSetup::default().with("layout", &own.file, &own.text);
+    let shapes_with = |file: Option<&str>| {
+        let settings = ReplaySettings {
+            layout: file,
+            ..ReplaySettings::default()
+        };
+        let setup = LoadedSetup::from_recording(&recorded, &settings).unwrap();
+        let mut shapes = Shapes::for_setup(&setup);
+        shapes.update(&Arc::new(setup.layout));
+        shapes
+    };
+    let foreign = shapes_with(None);
+    assert!(foreign.mesh("a.obj").is_none());
+    let errors: Vec<&str> = foreign.errors().collect();
+    assert_eq!(
+        errors,
+        [
+            "cannot draw a.obj: a recording has no meshes, and no file is opened because it names one"
+        ]
+    );
+    let replaced = shapes_with(Some(own.file.as_str()));
+    assert!(replaced.mesh("a.obj").is_some());
+
+    let shipped = Document::shipped("unam").unwrap().text;
+    let end = shipped.rfind(')').unwrap();
+    let limbs = r#"shapes: [(file: "a.obj", joint: "wrist")])"#;
+    let text = format!("{}{limbs}", &shipped[..end]);
+    let mut of_arm = Shapes::default();
+    of_arm.set_arm(&Document::new(own.file.as_str(), text));
+    assert_eq!((of_arm.limbs().len(), of_arm.errors().count()), (0, 1));
 }
