@@ -163,15 +163,28 @@ pub fn load(text: &str, path: Option<&str>, file: &str) -> Result<TriangleMesh, 
         let mesh_folder = folder.join(file);
         let mesh_folder = mesh_folder.parent().unwrap_or(folder);
         gltf_file::read(&bytes, &mut |buffer| {
-            read_inside(folder, &relative(folder, mesh_folder, buffer))
+            let below = mesh_folder.strip_prefix(folder).unwrap_or(Path::new(""));
+            let name = name_inside(below, buffer).ok_or(ShapeError::Outside)?;
+            read_inside(folder, &name)
         })
     }
 }
 
-/// Returns the path of a buffer beside a mesh in relation to the folder of the layout.
-fn relative(folder: &Path, mesh_folder: &Path, buffer: &str) -> String {
-    let below = mesh_folder.strip_prefix(folder).unwrap_or(Path::new(""));
-    below.join(buffer).to_string_lossy().into_owned()
+/// Returns the path of a buffer of a mesh, whose folder is `below` the folder of the layout, in relation to that folder; `None` if it leads
+/// out. Even to look whether such a file exists may contact another machine.
+fn name_inside(below: &Path, buffer: &str) -> Option<String> {
+    if buffer.starts_with('/') || buffer.contains(['\\', ':']) {
+        return None;
+    }
+    let first = below.components().count();
+    buffer
+        .split('/')
+        .try_fold(first, |depth, part| match part {
+            ".." => depth.checked_sub(1),
+            "" | "." => Some(depth),
+            _ => Some(depth + 1),
+        })?;
+    Some(below.join(buffer).to_string_lossy().into_owned())
 }
 
 /// Reads a file in a folder or below it, also behind links, if no other user may change it.

@@ -213,6 +213,26 @@ fn a_gltf_with_values_of_other_types_is_an_error() {
     }
 }
 
+#[test]
+fn a_buffer_is_sought_in_the_folder_of_the_layout_only() {
+    let below = Path::new("meshes");
+    for name in ["a.bin", "./a.bin", "../a.bin", "../b/../a.bin"] {
+        let expected = below.join(name).to_string_lossy().into_owned();
+        assert_eq!(name_inside(below, name), Some(expected), "{name}");
+    }
+    for name in [
+        "/net/host/a.bin",
+        "//host/share/a.bin",
+        "\\\\host\\share\\a.bin",
+        "C:a.bin",
+        "https://host/a.bin",
+        "../../a.bin",
+        "../../meshes/a.bin",
+    ] {
+        assert_eq!(name_inside(below, name), None, "{name}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_link_that_leads_out_of_the_folder_is_not_followed() {
