@@ -20,7 +20,7 @@ const MIN_INTERVAL: Duration = Duration::from_millis(20);
 /// Time until a message that the device has not read is written again.
 const RETRY_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Longest time that fingers are held without a change: a servo that holds becomes hot, and the loop may hang.
+/// Longest time that a finger is held, whatever the others do: a servo that holds becomes hot, and the loop may hang.
 const MAX_HOLD: Duration = Duration::from_secs(2);
 
 /// Longest time for the last message.
@@ -110,12 +110,21 @@ impl Drop for FeedbackThread {
     }
 }
 
+/// The force that holds a finger, and the time since which it does.
+#[derive(Clone, Copy)]
+struct Hold {
+    force: f32,
+    since: Instant,
+}
+
 /// The writing side.
 struct FeedbackWriter {
     haptics: Haptics,
     device: FeedbackDevice,
+    /// The latest state, in which fingers that were held for [`MAX_HOLD`] are free.
     wanted: FeedbackState,
-    changed_at: Instant,
+    /// The hold of each finger in the latest state, also after it has ended.
+    holds: [Option<Hold>; Finger::COUNT],
     /// The state that the present connection has received; `None` if that is not known.
     sent: Option<FeedbackState>,
     attempted_at: Option<Instant>,
@@ -133,7 +142,7 @@ impl FeedbackWriter {
             last_format: device.format(),
             device,
             wanted: FeedbackState::default(),
-            changed_at: Instant::now(),
+            holds: [None; Finger::COUNT],
             sent: None,
             attempted_at: None,
             last_connection: ConnectionId::default(),
@@ -147,10 +156,7 @@ impl FeedbackWriter {
             let timeout = self.update();
             select! {
                 recv(states) -> state => match state {
-                    Ok(state) => {
-                        self.wanted = state;
-                        self.changed_at = Instant::now();
-                    }
+                    Ok(state) => self.want(state, Instant::now()),
                     Err(_) => break,
                 },
                 recv(changes) -> _ => {}
@@ -160,13 +166,35 @@ impl FeedbackWriter {
         self.end();
     }
 
+    /// Takes a new state over. The hold of a finger whose force is as before goes on.
+    fn want(&mut self, state: FeedbackState, now: Instant) {
+        for (hold, &force) in self.holds.iter_mut().zip(&state.forces) {
+            if !hold.is_some_and(|it| it.force == force) {
+                *hold = (force > 0.0).then_some(Hold { force, since: now });
+            }
+        }
+        self.wanted = state;
+    }
+
+    /// Frees the fingers that were held for [`MAX_HOLD`]. Returns the time until the next one is free.
+    fn end_holds(&mut self, now: Instant) -> Duration {
+        let mut next = NO_DEADLINE;
+        for (hold, force) in self.holds.iter().zip(&mut self.wanted.forces) {
+            let Some(hold) = hold else { continue };
+            let left = MAX_HOLD.saturating_sub(now.saturating_duration_since(hold.since));
+            if left.is_zero() {
+                *force = 0.0;
+            } else {
+                next = next.min(left);
+            }
+        }
+        next
+    }
+
     /// Writes the wanted state if it is due. Returns the time until the next attempt.
     fn update(&mut self) -> Duration {
         let now = Instant::now();
-        let held = now.saturating_duration_since(self.changed_at);
-        if held >= MAX_HOLD {
-            self.wanted.forces = NO_FORCE;
-        }
+        let next_end = self.end_holds(now);
         let Some(connection) = self.connection() else {
             return NO_DEADLINE;
         };
@@ -180,11 +208,7 @@ impl FeedbackWriter {
                 return RETRY_INTERVAL;
             }
         }
-        if self.wanted.forces == NO_FORCE {
-            NO_DEADLINE
-        } else {
-            MAX_HOLD.saturating_sub(held)
-        }
+        next_end
     }
 
     /// Returns the time until a message may be written.
@@ -264,5 +288,45 @@ impl FeedbackWriter {
         {
             thread::sleep(MIN_INTERVAL);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    static FORMAT: FeedbackFormat = FeedbackFormat {
+        curl: |_, _| None,
+        encode: |_, _| {},
+    };
+
+    #[test]
+    fn a_finger_is_freed_in_time_although_the_others_go_on_typing() {
+        let mut writer = FeedbackWriter::new(Haptics::Both, FeedbackDevice::new(&FORMAT));
+        let (index, little) = (Finger::Index.index(), Finger::Little.index());
+        let start = Instant::now();
+        let at = |millis| start + Duration::from_millis(millis);
+        let mut state = FeedbackState::default();
+        state.forces[little] = 0.5;
+        let mut freed_at = None;
+        for millis in (0..5_000).step_by(100) {
+            state.start_pulse(Pulse::Press);
+            state.forces[index] = if millis % 200 == 0 { 0.7 } else { 0.0 };
+            writer.want(state, at(millis));
+            writer.end_holds(at(millis));
+            assert_eq!(writer.wanted.forces[index], state.forces[index]);
+            if writer.wanted.forces[little] == 0.0 {
+                freed_at = freed_at.or(Some(millis));
+            }
+        }
+        assert_eq!(freed_at, Some(2_000));
+        assert_eq!(writer.wanted.forces[little], 0.0, "it stays free");
+        state.forces[little] = 0.0;
+        writer.want(state, at(5_000));
+        // The next press.
+        state.forces[little] = 0.5;
+        writer.want(state, at(5_100));
+        assert_eq!(writer.end_holds(at(5_600)), Duration::from_millis(1_500));
+        assert_eq!(writer.wanted.forces[little], 0.5);
     }
 }
