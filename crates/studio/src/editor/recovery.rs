@@ -10,6 +10,7 @@ use std::thread::{self, JoinHandle};
 
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 
+use super::file::EditedFile;
 use super::{Edit, LayoutEditor, edit};
 use ademan_core::document::Document;
 use ademan_core::message::escape_path;
@@ -126,7 +127,7 @@ impl LayoutEditor {
     ///
     /// The usual folder is `editor` in [`files::state_folder`]. Another thread writes.
     pub fn start_recovery(&mut self, folder: &Path) -> Result<Option<UnsavedWork>, FileError> {
-        self.recovery = Some(Recovery::start(folder, self.name(), &self.text)?);
+        self.recovery = Some(Recovery::start(folder, &self.file, &self.text)?);
         Ok(self.found_work().cloned())
     }
 
@@ -193,14 +194,13 @@ impl LayoutEditor {
     /// Keeps unsaved work under the present name from now on, where the next run looks for it. Work that was found under the previous
     /// name still waits for an answer.
     pub(super) fn move_recovery(&mut self) {
-        let name = self.file.name();
         let Some(recovery) = &mut self.recovery else {
             return;
         };
-        if recovery.stem == stem(name) {
+        if recovery.stem == stem(&self.file) {
             return;
         }
-        match Recovery::start(&recovery.folder, name, &self.text) {
+        match Recovery::start(&recovery.folder, &self.file, &self.text) {
             Ok(mut moved) => {
                 moved.found.append(&mut recovery.found);
                 *recovery = moved;
@@ -248,13 +248,13 @@ impl LayoutEditor {
 }
 
 impl Recovery {
-    /// Starts to keep work on the layout with a name, which has this text now.
-    fn start(folder: &Path, name: &str, text: &str) -> Result<Self, FileError> {
+    /// Starts to keep work on the layout of a file, which has this text now.
+    fn start(folder: &Path, file: &EditedFile, text: &str) -> Result<Self, FileError> {
         if let Some(parent) = folder.parent() {
             fs::create_dir_all(parent)?;
         }
         files::create_private_folder(folder)?;
-        let stem = stem(name);
+        let stem = stem(file);
         let slots = Slots::lock(folder, &stem, text)?;
         let (path, lock) = slots.own.unzip();
         let path = path.unwrap_or_default();
@@ -337,9 +337,11 @@ fn read(path: &Path) -> Option<UnsavedWork> {
     })
 }
 
-/// Returns a file name for the layout with a name: its last part for people, and a hash of the whole path.
-fn stem(name: &str) -> String {
-    let path = fs::canonicalize(name).unwrap_or_else(|_| PathBuf::from(name));
+/// Returns a file name for the layout of a file: the last part of its name for people, and a hash of the whole path. A name alone is not
+/// looked for on the disk: a recording may have chosen it.
+fn stem(file: &EditedFile) -> String {
+    let path = file.path().and_then(|path| fs::canonicalize(path).ok());
+    let path = path.unwrap_or_else(|| PathBuf::from(file.name()));
     let last = path.file_stem().unwrap_or_default().to_string_lossy();
     let is_plain = |c: &char| c.is_ascii_alphanumeric() || *c == '-';
     let last: String = last.chars().filter(is_plain).take(40).collect();

@@ -392,7 +392,12 @@ fn open_layout(
         state.next_open = now + REOPEN_PERIOD_S;
         let work = state.unsaved_work.as_deref();
         let open = |file: &str| EditorPanel::open(file, used.fit, work);
-        let opened = open(&used.file).or_else(|error| match &dropped {
+        let opened = if context.sensors.setup().has_recorded_layouts() {
+            Ok(EditorPanel::of_recording(used, work))
+        } else {
+            open(&used.file)
+        };
+        let opened = opened.or_else(|error| match &dropped {
             Some(file) => open(file),
             None => Err(error),
         });

@@ -152,6 +152,12 @@ impl EditorPanel {
         Ok(Self::of(LayoutEditor::open(name, fit)?, work))
     }
 
+    /// Opens the text of a layout of a recording, whose name is no path on this machine.
+    pub fn of_recording(layout: &Layout, work: Option<&Path>) -> Self {
+        let editor = LayoutEditor::from_text(&layout.file, &layout.text, layout.fit);
+        Self::of(editor, work)
+    }
+
     fn of(mut editor: LayoutEditor, work: Option<&Path>) -> Self {
         let recovery = work.map(|folder| editor.start_recovery(folder));
         let mut panel = Self::new(editor);

@@ -142,7 +142,8 @@ impl EditorPanel {
             self.message = problem.map(|it| Err(it.message.clone()));
             return;
         };
-        let name = self.editor.name().rsplit('/').next().unwrap_or_default();
+        let name = self.editor.name().rsplit(['/', '\\']).next();
+        let name = name.unwrap_or_default();
         let beside = self.editor.path().map(Path::to_owned);
         let done = match beside {
             Some(_) => text("editor-exported"),
@@ -280,7 +281,7 @@ mod tests {
     use super::super::tests::TWO_KEYS;
     use super::*;
     use crate::editor::{Edit, NewPart, Part};
-    use ademan_core::layout::Fit;
+    use ademan_core::layout::{Fit, Layout};
 
     #[test]
     fn an_empty_layout_that_replaces_another_one_is_not_open_elsewhere() {
@@ -355,5 +356,20 @@ mod tests {
         assert_eq!(panel.editor.text(), TWO_KEYS);
         let found = panel.editor.found_work().map(|found| &found.text);
         assert_eq!(found, Some(&edited));
+    }
+
+    #[test]
+    fn the_layout_of_a_recording_is_its_text_and_not_the_file_of_its_name() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("mine.ron");
+        fs::write(&path, "Layout(name: \"Of this machine\")").expect("a file");
+        let name = path.to_str().expect("a readable path");
+        let recorded = Layout::parse(TWO_KEYS, name).expect("a layout");
+        let work = folder.path().join("editor");
+        let panel = EditorPanel::of_recording(&recorded, Some(&work));
+        assert_eq!(panel.message, None);
+        assert_eq!(panel.editor.text(), TWO_KEYS);
+        assert_eq!(panel.editor.path(), None);
+        assert!(!panel.editor.is_modified());
     }
 }
