@@ -12,7 +12,9 @@ pub use bootstrap::{Interval, bootstrap};
 pub use compare::{Comparison, Difference, HandGroup, Measure, NotComparable, compare};
 pub use pointing::{Movement, PointingResult, Ring, distance};
 pub(crate) use result_file::Header;
-pub use result_file::{CorpusHash, FORMAT, LabResult, MAX_PEOPLE, Partial, PeopleSpec, ReadError};
+pub use result_file::{
+    CorpusHash, FORMAT, LabResult, MAX_PEOPLE, Partial, PeopleSpec, ReadError, has_possible_counts,
+};
 pub use score::{
     Conditions, KeyScore, PersonScore, PhraseScore, ScoreError, TaskScore, Wrong, score,
     score_decoded,

@@ -1,6 +1,7 @@
 //! Result files: the conditions of a run, and its figures.
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::compare::Comparison;
 use super::score::PersonScore;
@@ -17,6 +18,9 @@ const VERSION: u32 = 2;
 pub const MAX_PEOPLE: u32 = 100_000;
 /// The most phrases of each person.
 const MAX_PHRASES: usize = u16::MAX as usize;
+
+/// The largest count in a file: sums over all people stay far below the largest number.
+const MAX_COUNT: u64 = 1 << 32;
 
 /// The hash of phrases, in hexadecimal digits.
 pub type CorpusHash = String;
@@ -141,6 +145,23 @@ pub enum ReadError {
         "it has more people or phrases than a run may have, {MAX_PEOPLE} and {MAX_PHRASES}; the file was changed"
     )]
     TooLarge,
+    /// A count is larger than any run gives.
+    #[error("it has a count above {MAX_COUNT}, which no run gives; the file was changed")]
+    LargeCount,
+}
+
+/// Returns `true` if no whole number in what was read from a file is larger than any count, so that sums of them do not overflow.
+pub fn has_possible_counts(read: &impl Serialize) -> bool {
+    serde_json::to_value(read).is_ok_and(|value| is_possible(&value))
+}
+
+fn is_possible(value: &Value) -> bool {
+    match value {
+        Value::Number(number) => number.as_u64().is_none_or(|count| count <= MAX_COUNT),
+        Value::Array(values) => values.iter().all(is_possible),
+        Value::Object(fields) => fields.values().all(is_possible),
+        Value::Null | Value::Bool(_) | Value::String(_) => true,
+    }
 }
 
 /// The first fields of a file, to tell the reason why the others do not fit.
@@ -207,10 +228,13 @@ impl LabResult {
         Ok(result)
     }
 
-    /// Checks that there are phrases, that they have their hash, and that the run is not too large.
+    /// Checks that there are phrases, that they have their hash, and that neither the run nor a count is too large.
     pub(crate) fn check(&self) -> Result<(), ReadError> {
         if self.people.count() > MAX_PEOPLE || self.phrases > MAX_PHRASES {
             return Err(ReadError::TooLarge);
+        }
+        if !self.scores.iter().all(has_possible_counts) {
+            return Err(ReadError::LargeCount);
         }
         // People take their phrases from the corpus in turn.
         if self.corpus_phrases.is_empty() {
@@ -273,5 +297,22 @@ mod tests {
         assert_eq!(read(&changed), Err(ReadError::NoPhrase));
         let crowded = LabResult::unscored(MAX_PEOPLE + 1);
         assert_eq!(read(&crowded), Err(ReadError::TooLarge));
+    }
+
+    #[test]
+    fn a_result_whose_counts_cannot_be_added_is_refused() {
+        let read = |count: u64| {
+            let score = PersonScore {
+                keystrokes: count,
+                wpm: 1e300,
+                ..PersonScore::default()
+            };
+            let mut result = LabResult::unscored(1);
+            result.scores.push(score);
+            LabResult::from_json(&result.to_json(), "1").map(drop)
+        };
+        assert_eq!(read(MAX_COUNT), Ok(()));
+        assert_eq!(read(MAX_COUNT + 1), Err(ReadError::LargeCount));
+        assert_eq!(read(u64::MAX), Err(ReadError::LargeCount));
     }
 }

@@ -13,7 +13,9 @@ use std::ops::Range;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::measures::{Header, LabResult, MAX_PEOPLE, Partial, PersonScore, ReadError, summarize};
+use crate::measures::{
+    Header, LabResult, MAX_PEOPLE, Partial, PersonScore, ReadError, has_possible_counts, summarize,
+};
 use crate::people::Participant;
 use crate::phrases::fnv;
 
@@ -204,10 +206,13 @@ impl ShardScores {
         let is_whole = scores.shard == shard
             && scores.scores.len() == plan.runs.len()
             && scores.scores.iter().all(is_complete);
-        if is_whole {
+        if !is_whole {
+            return Err(ShardError::OtherPeople(shard));
+        }
+        if scores.scores.iter().flatten().all(has_possible_counts) {
             Ok(scores)
         } else {
-            Err(ShardError::OtherPeople(shard))
+            Err(ReadError::LargeCount.into())
         }
     }
 }

@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use ademan::files;
+use ademan::measures::has_possible_counts;
 use ademan::message::escape_path;
 use ademan::study::{Study, Trial, TrialKind};
 
@@ -51,7 +52,11 @@ impl Trials {
                 ))
             };
             let text = outputs::read_text(&path).map_err(cannot)?;
-            let trial = serde_json::from_str(&text).map_err(|error| cannot(error.to_string()))?;
+            let trial: Trial =
+                serde_json::from_str(&text).map_err(|error| cannot(error.to_string()))?;
+            if !has_possible_counts(&trial) {
+                return Err(cannot("a count is larger than any trial gives".to_owned()));
+            }
             all.push(trial);
         }
         all.sort_by(|a: &Trial, b| {
@@ -154,6 +159,20 @@ mod tests {
         };
         let next = empty.recording("P01", empty.next_order("P01"));
         assert_eq!(next.file_name().unwrap(), "P01-0000.mcap");
+    }
+
+    #[test]
+    fn a_trial_whose_number_has_no_next_one_is_refused() {
+        let study = tempfile::tempdir().unwrap();
+        Trials::read(study.path()).unwrap();
+        let order = usize::MAX;
+        let text = format!(
+            "{{\"participant\":\"P01\",\"order\":{order},\"layout\":\"board\",\"kind\":\"phrase\",\"task\":0,\"time\":\"\",\
+             \"is_simulated\":false,\"program_version\":\"\",\"seconds\":1.0}}"
+        );
+        fs::write(study.path().join("trials/P01-0000.json"), text).unwrap();
+        let failure = Trials::read(study.path()).err().expect("a refusal");
+        assert!(failure.to_string().contains("a count is larger"));
     }
 
     #[test]
