@@ -102,7 +102,7 @@ fn network_address() -> Option<IpAddr> {
     (!ip.is_unspecified() && !ip.is_loopback()).then_some(ip)
 }
 
-/// Shows the link: to a person only, as it contains the token. In a file of messages it would stay.
+/// Shows the link on the standard output only, as it contains the token. In a file of messages it would stay.
 fn show(link: &str) {
     let mut out = io::stdout().lock();
     let picture = headset_link::blocks(link)
