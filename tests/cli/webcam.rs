@@ -90,6 +90,23 @@ fn without_a_model_the_message_says_where_it_comes_from_before_python_starts() {
 }
 
 #[test]
+fn the_bridge_loads_no_module_of_the_working_folder() {
+    if !has_python() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for module in ["argparse", "json", "math", "mediapipe", "cv2"] {
+        let planted = format!("print('the {module} of a stranger')");
+        file(&folder, &format!("{module}.py"), planted);
+    }
+    let results = file(&folder, "results.json", "{\"samples\":[{}]}");
+    let arguments = ["bridge", "webcam", "--run", "--results", &results];
+    let played = run_in(folder.path(), &arguments).done();
+    assert_eq!(played.out.lines().count(), 1, "{}", played.out);
+    assert!(played.out.starts_with("{\"time_us\":"), "{}", played.out);
+}
+
+#[test]
 fn a_python_a_camera_or_results_that_do_not_work_end_with_one_message() {
     if !has_python() {
         return;

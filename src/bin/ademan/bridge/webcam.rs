@@ -16,6 +16,10 @@ const WEBCAM: &str = include_str!(concat!(
     "/examples/bridges/mediapipe_webcam.py"
 ));
 
+/// The first line of the bridge when it is run: Python looks for modules in the working folder first, where a stranger's files may be.
+const WITHOUT_WORKING_FOLDER: &str =
+    "import sys; sys.path[:] = [folder for folder in sys.path if folder]\n";
+
 /// The model of the hand landmarker, which is looked for if none is named.
 const HAND_MODEL: &str = "hand_landmarker.task";
 
@@ -119,7 +123,8 @@ impl CameraArgs {
     /// Returns the command that runs the bridge. Fails without a model or a file.
     pub fn command(&self) -> Result<Command, Failure> {
         let mut command = Command::new(&self.python);
-        command.args(["-c", WEBCAM]).stdin(Stdio::null());
+        let script = format!("{WITHOUT_WORKING_FOLDER}{WEBCAM}");
+        command.args(["-c", &script]).stdin(Stdio::null());
         if let Some(results) = &self.results {
             require(results)?;
             command.arg("--from").arg(results);
