@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bootstrap::{Interval, bootstrap};
 use super::score::{PersonScore, ratio};
+use crate::message::escape;
 
 /// A difference between two layouts: the second minus the first, of the same people.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -100,7 +101,9 @@ pub struct Comparison {
 pub enum NotComparable {
     /// One layout types and the other does not.
     #[error(
-        "{typing} types the phrases and {other} does not; compare {typing} with a layout that types, or {other} with one that is scored by tasks"
+        "{typing} types the phrases and {other} does not; compare {typing} with a layout that types, or {other} with one that is scored by tasks",
+        typing = escape(.typing),
+        other = escape(.other)
     )]
     Kinds {
         /// The layout that types.

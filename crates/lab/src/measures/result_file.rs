@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::compare::Comparison;
 use super::score::PersonScore;
 use super::summary::Summary;
+use crate::message::{escape, escape_line};
 use crate::people::Participant;
 use crate::phrases::Corpus;
 
@@ -114,7 +115,7 @@ pub struct Partial {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReadError {
     /// The file is not JSON of this form.
-    #[error("this is no file of the lab of this kind: {0}")]
+    #[error("this is no file of the lab of this kind: {}", escape_line(.0))]
     NoResult(String),
     /// The file has another version of the format.
     #[error(
@@ -126,7 +127,8 @@ pub enum ReadError {
     },
     /// Another version of the program wrote it.
     #[error(
-        "version {found} of the program wrote it, and this is {own}, which may give other figures; run the lab again"
+        "version {} of the program wrote it, and this is {own}, which may give other figures; run the lab again",
+        escape(.found)
     )]
     OtherProgram {
         /// The version of the program that wrote the file.
@@ -135,7 +137,7 @@ pub enum ReadError {
         own: String,
     },
     /// The phrases do not have their hash.
-    #[error("its phrases do not have the hash {0}; the file was changed")]
+    #[error("its phrases do not have the hash {}; the file was changed", escape(.0))]
     OtherCorpus(String),
     /// There are no phrases.
     #[error("it has no phrase; the file was changed")]
@@ -314,5 +316,32 @@ mod tests {
         assert_eq!(read(MAX_COUNT), Ok(()));
         assert_eq!(read(MAX_COUNT + 1), Err(ReadError::LargeCount));
         assert_eq!(read(u64::MAX), Err(ReadError::LargeCount));
+    }
+
+    #[test]
+    fn what_a_file_states_begins_no_line_of_a_message() {
+        let forged = "1\nerror: forged";
+        let whole = LabResult::unscored(1);
+        let other_program = LabResult {
+            program_version: forged.to_owned(),
+            ..whole.clone()
+        };
+        let other_corpus = LabResult {
+            corpus_hash: forged.to_owned(),
+            ..whole.clone()
+        };
+        let texts = [
+            other_program.to_json(),
+            other_corpus.to_json(),
+            whole
+                .to_json()
+                .replace("\"drawn\"", "\"1\\nerror: forged\""),
+        ];
+        for text in texts {
+            let refused = LabResult::from_json(&text, "1").expect_err("a refusal");
+            let refused = refused.to_string();
+            assert!(refused.contains("error: forged"), "{refused}");
+            assert!(!refused.contains('\n'), "{refused}");
+        }
     }
 }

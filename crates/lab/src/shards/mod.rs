@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::measures::{
     Header, LabResult, MAX_PEOPLE, Partial, PersonScore, ReadError, has_possible_counts, summarize,
 };
+use crate::message::escape_line;
 use crate::people::Participant;
 use crate::phrases::fnv;
 
@@ -67,7 +68,7 @@ pub struct ShardScores {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ShardError {
     /// The file is damaged, or no file of this kind.
-    #[error("it cannot be read: {0}")]
+    #[error("it cannot be read: {}", escape_line(.0))]
     Unreadable(String),
     /// The file is of another kind, or another version wrote it.
     #[error(transparent)]

@@ -15,6 +15,7 @@ pub use trial::{Trial, TrialKind};
 
 use crate::layout::{ControlKind, Handle, Layout};
 use crate::measures::ReadError;
+use crate::message::{escape, escape_line};
 use crate::people::Draw;
 use crate::phrases::Corpus;
 use crate::trials::{Station, TrialError};
@@ -73,7 +74,7 @@ pub enum Task {
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The file is damaged, or no file of a study.
-    #[error("it cannot be read: {0}")]
+    #[error("it cannot be read: {}", escape_line(.0))]
     Unreadable(String),
     /// Another version wrote the file.
     #[error(transparent)]
@@ -83,12 +84,14 @@ pub enum StudyError {
     Layout(#[from] TrialError),
     /// A layout has nothing to do for a participant.
     #[error(
-        "{0} types no phrase, moves no cursor and has no slider or knob, so that there is nothing to measure"
+        "{} types no phrase, moves no cursor and has no slider or knob, so that there is nothing to measure",
+        escape(.0)
     )]
     NoTask(String),
     /// A name may identify somebody, or cannot be part of a file name.
     #[error(
-        "`{0}` is no pseudonym: use 1 to {MAX_PSEUDONYM} letters, digits, `-` and `_`, such as P01, and no name of a person"
+        "`{}` is no pseudonym: use 1 to {MAX_PSEUDONYM} letters, digits, `-` and `_`, such as P01, and no name of a person",
+        escape(.0)
     )]
     NoPseudonym(String),
 }

@@ -8,7 +8,7 @@ use ademan::document::Document;
 use ademan::files::{self, FileError};
 use ademan::layout::Layout;
 use ademan::measures::LabResult;
-use ademan::message::{escape_path, shell_word};
+use ademan::message::{escape_line, escape_path, shell_word};
 use ademan::session::counted;
 use ademan::shards::{Plan, ShardError, ShardScores};
 
@@ -138,7 +138,9 @@ fn run_shard(args: &RunArgs, plan: &Plan, shard: usize) -> Result<(), Failure> {
         }
         Ok(None) => {}
         // A shard that was cut off is made again.
-        Err(ShardError::Unreadable(error)) => say!("{shown}: {error}; the shard runs again"),
+        Err(ShardError::Unreadable(error)) => {
+            say!("{shown}: {}; the shard runs again", escape_line(&error));
+        }
         Err(error) => return Err(Failure::wrong_use(format!("cannot use {shown}: {error}"))),
     }
     let people = plan.people_of(shard);
@@ -172,6 +174,7 @@ pub fn merge(args: &MergeArgs) -> Result<(), Failure> {
         let path = path_of(&args.folder, shard);
         let scores = match read_shard(&path, &plan, shard) {
             Err(ShardError::Unreadable(error)) if args.partial => {
+                let error = escape_line(&error);
                 complain!("{}: {error}; left out", escape_path(&path));
                 None
             }

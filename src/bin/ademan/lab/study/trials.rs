@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use ademan::files;
 use ademan::measures::has_possible_counts;
-use ademan::message::escape_path;
+use ademan::message::{escape_line, escape_path};
 use ademan::study::{Study, Trial, TrialKind};
 
 use super::outputs;
@@ -47,6 +47,7 @@ impl Trials {
             }
             let cannot = |error: String| {
                 let path = escape_path(&path);
+                let error = escape_line(&error);
                 Failure::wrong_use(format!(
                     "cannot read the trial {path}: {error}; move it and the recording beside it to another folder to go on without them, as the next trial may have their number"
                 ))
@@ -173,6 +174,18 @@ mod tests {
         fs::write(study.path().join("trials/P01-0000.json"), text).unwrap();
         let failure = Trials::read(study.path()).err().expect("a refusal");
         assert!(failure.to_string().contains("a count is larger"));
+    }
+
+    #[test]
+    fn what_a_trial_states_begins_no_line_of_a_message() {
+        let study = tempfile::tempdir().unwrap();
+        Trials::read(study.path()).unwrap();
+        let text = "{\"participant\":\"P01\",\"order\":0,\"layout\":\"board\",\"kind\":\"x\\nerror: forged\"}";
+        fs::write(study.path().join("trials/P01-0000.json"), text).unwrap();
+        let failure = Trials::read(study.path()).err().expect("a refusal");
+        let refused = failure.to_string();
+        assert!(refused.contains("error: forged"), "{refused}");
+        assert!(!refused.contains('\n'), "{refused}");
     }
 
     #[test]
