@@ -293,6 +293,30 @@ fn a_film_has_the_marks_of_its_pictures_and_labels_stay_with_them() {
     );
 }
 
+#[test]
+fn a_film_that_is_a_list_of_other_films_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = [vec![(DVec2::new(50.0, 60.0), WHITE)], vec![]];
+    let left = write_pictures(folder.path(), "left", &pictures);
+    let part = folder.path().join("part.ts");
+    if !make_film(&left, "25", &part) {
+        return;
+    }
+    // Without its end, it is read again and again.
+    let list = format!(
+        "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\nfile://{}\n",
+        text(&part)
+    );
+    let lists = [list, "ffconcat version 1.0\nfile part.ts\n".to_owned()];
+    for (index, list) in lists.iter().enumerate() {
+        let film = file(&folder, &format!("film{index}.mp4"), list);
+        let refused = markers(&[film.into()], &[]);
+        assert_eq!(refused.code, Some(2), "{}", refused.err);
+        let expected = "neither a folder of pictures nor a film";
+        assert!(refused.err.contains(expected), "{}", refused.err);
+    }
+}
+
 /// Makes a film of the pictures of a folder. Returns `false` if that is not possible here.
 fn make_film(pictures: &Path, rate_hz: &str, film: &Path) -> bool {
     let mut ffmpeg = Command::new("ffmpeg");

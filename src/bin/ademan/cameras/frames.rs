@@ -16,6 +16,11 @@ use crate::failure::Failure;
 /// Longest file of a picture, in bytes.
 const MAX_BYTES: u64 = 1 << 28;
 
+/// The formats of films that `ffmpeg` may find in a file, whatever its name. Playlists are none: they name other files, on other machines
+/// too, and may never end.
+const FILM_FORMATS: &str = "mov,mp4,matroska,webm,avi,mpegts,mpeg,mpegvideo,m4v,h264,hevc,av1,obu,ivf,ogg,flv,asf,dv,mxf,gif,apng,mjpeg,\
+    mpjpeg,image2,png_pipe,jpeg_pipe,yuv4mpegpipe,nut,wtv,rm";
+
 /// Ends of the names of pictures.
 const PICTURES: [&str; 3] = ["png", "jpg", "jpeg"];
 
@@ -84,7 +89,8 @@ impl Film {
         files::open_regular(path).map_err(|error| Failure::cannot_read(path, error))?;
         let mut command = Command::new("ffmpeg");
         command
-            .args(["-nostdin", "-v", "error", "-i"])
+            .args(["-nostdin", "-v", "error"])
+            .args(["-format_whitelist", FILM_FORMATS, "-i"])
             .arg(input(path));
         if let Some(rate_hz) = rate_hz {
             command.args(["-vf", &format!("fps={rate_hz}")]);
@@ -140,6 +146,7 @@ pub fn film_rate(path: &Path) -> Result<f64, Failure> {
     command.args(["-v", "error", "-select_streams", "v:0", "-of", "csv=p=0"]);
     command
         .args(["-show_entries", "stream=r_frame_rate"])
+        .args(["-format_whitelist", FILM_FORMATS])
         .arg(input(path));
     let output = command.stdin(Stdio::null()).output();
     let output = output.map_err(|error| no_ffmpeg(path, &error))?;
