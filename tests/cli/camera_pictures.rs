@@ -279,8 +279,17 @@ fn a_film_has_the_marks_of_its_pictures_and_labels_stay_with_them() {
     if !make_film(&left, "25", &film) {
         return;
     }
-    let of_film = markers(&[film], &["--label", "a,b"]).done();
+    let of_film = markers(std::slice::from_ref(&film), &["--label", "a,b"]).done();
     assert_eq!(of_film.out, found.out);
+    let deep = folder.path().join("deep.mkv");
+    let mut ffmpeg = Command::new("ffmpeg");
+    ffmpeg.args(["-v", "error", "-i"]).arg(&film);
+    ffmpeg
+        .args(["-pix_fmt", "rgb48be", "-c:v", "png"])
+        .arg(&deep);
+    assert!(ffmpeg.status().unwrap().success());
+    let of_deep = markers(&[deep], &["--label", "a,b"]).done();
+    assert_eq!(of_deep.out.lines().count(), 20);
     let no_film = file(&folder, "notes.txt", "no film");
     let refused = markers(&[no_film.into()], &[]);
     assert_eq!(refused.code, Some(2), "{}", refused.err);
