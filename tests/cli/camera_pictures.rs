@@ -312,11 +312,11 @@ fn a_film_that_is_a_list_of_other_films_is_refused() {
         return;
     }
     // Without its end, it is read again and again.
-    let list = format!(
+    let playlist = format!(
         "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\nfile://{}\n",
         text(&part)
     );
-    let lists = [list, "ffconcat version 1.0\nfile part.ts\n".to_owned()];
+    let lists = [playlist, "ffconcat version 1.0\nfile part.ts\n".to_owned()];
     for (index, list) in lists.iter().enumerate() {
         let film = file(&folder, &format!("film{index}.mp4"), list);
         let refused = markers(&[film.into()], &[]);
