@@ -236,7 +236,10 @@ fn wrong_names_are_refused_with_the_valid_ones() {
         ),
         (
             "run --source typist:a --glove no",
-            &["no: there is no such file"],
+            &[
+                "no: there is no such file",
+                "`ademan gloves` lists the names",
+            ],
         ),
         (
             "run --source typist:a --output desktp",
@@ -254,7 +257,10 @@ fn wrong_names_are_refused_with_the_valid_ones() {
             "run --source typist:a --record /no/x.mcap",
             &["cannot create the recording /no/x.mcap"],
         ),
-        ("run no.ron", &["no.ron: there is no such file"]),
+        (
+            "run no.ron",
+            &["no.ron: there is no such file; `ademan setup new NAME` writes a setup"],
+        ),
         ("replay /nope", &["cannot open recording:/nope"]),
         ("replay /", &["this is a directory, name a file in it"]),
         ("layout show arrow", &["did you mean `arrows`?"]),

@@ -466,7 +466,7 @@ fn an_unreadable_file_reports_the_reason() {
     );
     assert_eq!(
         message("zzzzzz"),
-        "there is no such file, and no shipped one of that name"
+        "there is no such file, and no shipped one of that name; `ademan layouts` lists the names"
     );
 
     fs::write(path("latin1.ron"), b"Layout(\n  name: \"\xe9\")").unwrap();

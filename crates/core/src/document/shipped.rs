@@ -36,6 +36,17 @@ impl FileKind {
         }
     }
 
+    /// Returns the end of the error for a name that resembles no other: the command that lists the names, or writes a file.
+    fn remedy(self) -> &'static str {
+        match self {
+            Self::Layout => "; `ademan layouts` lists the names",
+            Self::Glove => "; `ademan gloves` lists the names",
+            Self::Person => "; `ademan person list` lists the names",
+            Self::Setup => "; `ademan setup new NAME` writes a setup to start from",
+            Self::Arm | Self::Learned => "",
+        }
+    }
+
     /// Returns the names of the shipped files of this kind, without folder and `.ron`.
     fn shipped(self) -> impl Iterator<Item = &'static str> {
         FILES.iter().filter_map(move |(path, _)| {
@@ -92,18 +103,22 @@ fn file_name(path: &str) -> &str {
 
 impl DocumentError {
     /// Returns the error for a name that stands for no file. Its suggestion is the nearest of the shipped names of a kind, or of
-    /// all, and of `own`.
+    /// all, and of `own`; without one it says where the names are.
     pub fn no_such_file(name: &str, kind: Option<FileKind>, own: &[String]) -> Self {
-        let shipped: Vec<&str> =
+        let of_kind: Vec<&str> =
             kind.map_or_else(|| names().collect(), |it| it.shipped().collect());
-        let candidates = shipped.into_iter().chain(own.iter().map(String::as_str));
+        let candidates = of_kind.into_iter().chain(own.iter().map(String::as_str));
         let stem = file_name(name.strip_suffix(".ron").unwrap_or(name));
         let nearest = names::nearest(stem, candidates);
-        let suggestion = nearest.map_or(String::new(), |nearest| {
-            format!(", did you mean `{}`?", escape(nearest))
-        });
-        let message = format!("there is no such file, and no shipped one of that name{suggestion}");
-        Self::for_file(name, message)
+        let advice = match nearest {
+            Some(nearest) => format!(", did you mean `{}`?", escape(nearest)),
+            None => kind.map_or_else(String::new, |it| it.remedy().to_owned()),
+        };
+        let shipped = match kind {
+            Some(FileKind::Setup | FileKind::Learned) => "",
+            _ => ", and no shipped one of that name",
+        };
+        Self::for_file(name, format!("there is no such file{shipped}{advice}"))
     }
 }
 
