@@ -216,7 +216,7 @@ fn invalid_sources_are_refused_with_a_remedy() {
 
 #[test]
 fn wrong_names_are_refused_with_the_valid_ones() {
-    let cases: [(&str, &[&str]); 16] = [
+    let cases: [(&str, &[&str]); 17] = [
         ("frob", &["unrecognized subcommand 'frob'"]),
         (
             "trace angels --source typist:a",
@@ -260,6 +260,10 @@ fn wrong_names_are_refused_with_the_valid_ones() {
         (
             "run no.ron",
             &["no.ron: there is no such file; `ademan setup new NAME` writes a setup"],
+        ),
+        (
+            "run qwerty-arc",
+            &["expected `Setup(…)`, found `Layout`; `--layout` names a layout"],
         ),
         ("replay /nope", &["cannot open recording:/nope"]),
         ("replay /", &["this is a directory, name a file in it"]),

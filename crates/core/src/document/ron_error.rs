@@ -60,6 +60,16 @@ const CALCULATION: &str = "write the result of the calculation";
 /// The message for `300.5` or `1e3` where fractions have no meaning.
 const WHOLE_NUMBER: &str = "expected a whole number, in digits only";
 
+/// Returns the end of the error for a file of another kind: a command takes a setup without an option, and other files with one.
+fn other_file(expected: &str, found: &str) -> &'static str {
+    match (expected, found) {
+        ("Setup", "Layout") => "; `--layout` names a layout",
+        ("Setup", "Glove") => "; `--glove` names a glove",
+        ("Setup", "Person") => "; `--person` names a person",
+        _ => "",
+    }
+}
+
 /// The part of a text in which the reader found an error.
 struct Slice<'t> {
     text: &'t str,
@@ -84,7 +94,8 @@ impl Slice<'_> {
             Error::MissingStructField { field, .. } => format!("the field `{field}` is missing"),
             Error::DuplicateStructField { field, .. } => format!("duplicate field `{field}`"),
             Error::ExpectedDifferentStructName { expected, found } => {
-                format!("expected `{expected}(…)`, found `{found}`")
+                let remedy = other_file(expected, found);
+                format!("expected `{expected}(…)`, found `{found}`{remedy}")
             }
             Error::ExpectedDifferentLength { expected, found } => {
                 different_length(expected, *found)
