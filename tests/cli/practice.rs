@@ -412,6 +412,9 @@ mod on_a_terminal {
         println!("{last}");
         assert!(last.contains("typed      hola amigo"), "{last}");
         assert!(last.contains("progress   words/min"), "{last}");
+        let messages = last.rfind("armed: nothing is typed");
+        assert!(messages < last.find("text       hola"), "{last}");
+        assert!(messages.is_some(), "{last}");
         assert_eq!(lines(&history_file(&state)).len(), 1);
     }
 

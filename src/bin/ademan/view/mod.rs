@@ -23,7 +23,7 @@ use crate::{messages, signals};
 use look::Look;
 use painter::Painter;
 
-/// Longest wait for messages when the program ends without order.
+/// Longest wait for messages at the end of the view, or when the program ends without order.
 const EXIT_TIMEOUT: Duration = Duration::from_millis(200);
 
 /// The display of a run.
@@ -121,6 +121,8 @@ impl LiveView {
             _ => tracing::warn!("cannot draw in this terminal"),
         }
         messages::release();
+        // The caller prints its result next, after the messages that led to it.
+        messages::flush_within(EXIT_TIMEOUT);
     }
 }
 
