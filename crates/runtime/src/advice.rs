@@ -234,7 +234,7 @@ pub fn built_without_wayland() -> Advice {
 /// Returns the advice for a missing runtime directory.
 pub fn no_runtime_dir() -> Advice {
     Advice::new(
-        "no control socket: XDG_RUNTIME_DIR is not a directory",
+        "no control socket: XDG_RUNTIME_DIR names no folder",
         "name a path with --control PATH",
     )
 }
