@@ -356,6 +356,18 @@ fn files_other_than_recordings_are_refused() {
 }
 
 #[test]
+fn a_check_counts_what_a_layout_without_keys_has() {
+    let checked = run(["layout", "check", "space", "direct", "claws"]).done();
+    for line in [
+        "space: valid, 0 keys, 4 targets in space, 1 layer\n",
+        "direct: valid, 0 keys, 1 pointer, 1 layer\n",
+        " triggers, 1 layer\n",
+    ] {
+        assert!(checked.out.contains(line), "{line}: {}", checked.out);
+    }
+}
+
+#[test]
 fn all_layouts_are_checked_even_after_an_invalid_one() {
     let folder = tempfile::tempdir().unwrap();
     let wrong = file(&folder, "wrong.ron", "Layout(\n    nmae: \"x\",\n)");

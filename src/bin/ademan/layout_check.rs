@@ -100,14 +100,8 @@ fn print(file: &str, outcome: &Result<Checked, DocumentError>) -> Result<(), Fai
             return Ok(());
         }
     };
-    let keys = counted(layout.keys.len() as u64, "key");
-    let layers = counted(layout.layers.len() as u64, "layer");
-    let others = match layout.controls.len() as u64 {
-        0 => String::new(),
-        count => format!("{}, ", counted(count, "other control")),
-    };
     let file = escape(file);
-    writeln!(io::stdout(), "{file}: valid, {keys}, {others}{layers}")?;
+    writeln!(io::stdout(), "{file}: valid, {}", parts(layout))?;
     for (name, steps) in layout.sequence_rows() {
         // A person sees what each one types before they use the layout of somebody else.
         let name = if name.is_empty() {
@@ -124,6 +118,23 @@ fn print(file: &str, outcome: &Result<Checked, DocumentError>) -> Result<(), Fai
         complain!("warning: {file}: {warning}");
     }
     Ok(())
+}
+
+/// Returns the numbers of keys and layers, and of everything else that the layout has.
+fn parts(layout: &Layout) -> String {
+    let others = [
+        (layout.controls.len(), "other control"),
+        (usize::from(layout.pointer.is_some()), "pointer"),
+        (layout.triggers.len(), "trigger"),
+    ];
+    let others = others.into_iter().filter(|(count, _)| *count > 0);
+    let others = others.map(|(count, noun)| counted(count as u64, noun));
+    let targets: usize = layout.spaces.iter().map(|it| it.names.len()).sum();
+    let targets = (targets > 0).then(|| format!("{} in space", counted(targets as u64, "target")));
+    let keys = counted(layout.keys.len() as u64, "key");
+    let layers = counted(layout.layers.len() as u64, "layer");
+    let parts = [keys].into_iter().chain(others).chain(targets);
+    parts.chain([layers]).collect::<Vec<_>>().join(", ")
 }
 
 fn json_of(file: &str, outcome: &Result<Checked, DocumentError>) -> Value {
