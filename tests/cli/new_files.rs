@@ -48,3 +48,19 @@ fn a_new_file_is_valid_under_any_name() {
         "{content}"
     );
 }
+
+#[test]
+fn a_new_glove_is_tried_with_the_protocol_of_the_one_that_it_copies() {
+    let folder = tempfile::tempdir().unwrap();
+    for (glove, source) in [
+        ("unam-hc11", "--source serial:/dev/ttyUSB0 --glove "),
+        (
+            "lucidgloves",
+            "--source 'serial:/dev/ttyUSB0?protocol=lucidgloves' --glove ",
+        ),
+    ] {
+        let path = folder.path().join(glove);
+        let written = run(["glove", "new", text(&path), "--from", glove]).done();
+        assert!(written.out.contains(source), "{}", written.out);
+    }
+}

@@ -7,7 +7,7 @@ use ademan::files::OpenDocument;
 use ademan::layout::Glove;
 
 use crate::failure::Failure;
-use crate::{complete, new_file};
+use crate::{complete, gloves, new_file};
 
 /// Create glove files
 #[derive(clap::Args)]
@@ -36,7 +36,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let document = Document::open_kind(FileKind::Glove, &from)?;
     let glove = Glove::parse(&document)?;
     let text = new_file::renamed(&document.text, &glove.name, &path);
-    let next = "ademan run --source serial:/dev/ttyUSB0 --glove FILE";
+    let next = format!(
+        "ademan run --source {} --glove FILE",
+        gloves::source(&glove)
+    );
     let origin = format!("a copy of {}", document.file);
-    new_file::create(&path, &text, &origin, next)
+    new_file::create(&path, &text, &origin, &next)
 }

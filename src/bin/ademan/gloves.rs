@@ -9,6 +9,9 @@ use ademan::message::shell_word;
 use crate::failure::Failure;
 use crate::list::{ListArgs, Row};
 
+/// The source of a glove with the default protocol.
+const SERIAL: &str = "serial:/dev/ttyUSB0";
+
 /// List the gloves that come with the program, and the ones in the configuration folder
 #[derive(clap::Args)]
 #[command(after_help = "Example: ademan gloves")]
@@ -25,12 +28,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     });
     let rows = shipped.chain(own).map(|(name, document)| {
         let glove = document.and_then(|document| Glove::parse(&document));
-        let full_scale = glove.as_ref().ok().map(|it| it.map.full_scale());
-        let source = if full_scale == Some(lucidgloves::FULL_SCALE) {
-            "'serial:/dev/ttyUSB0?protocol=lucidgloves'"
-        } else {
-            "serial:/dev/ttyUSB0"
-        };
+        let source = glove.as_ref().map_or(SERIAL, source);
         let example = format!("ademan run --source {source} --glove {}", shell_word(&name));
         Ok(Row {
             summary: glove.map_or_else(
@@ -42,4 +40,13 @@ pub fn run(args: Args) -> Result<(), Failure> {
         })
     });
     args.list.print(&rows.collect::<Result<Vec<_>, Failure>>()?)
+}
+
+/// Returns an example of the source of a glove, as a word for a shell.
+pub fn source(glove: &Glove) -> &'static str {
+    if glove.map.full_scale() == lucidgloves::FULL_SCALE {
+        "'serial:/dev/ttyUSB0?protocol=lucidgloves'"
+    } else {
+        SERIAL
+    }
 }
