@@ -12,7 +12,7 @@ use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::pipeline::PipelineState;
-use ademan::setup::{LoadedSetup, OtherHand, Setup};
+use ademan::setup::{ArmSetup, LoadedSetup, OtherHand, Setup};
 use ademan::sim::{self, HandTask, SimulatedTypist, UsTextField};
 
 const MIXER: &str = r#"Layout(name: "My mixer", boards: [(
@@ -111,6 +111,73 @@ fn the_readings_of_a_live_hand_are_accepted_from_the_first_one() {
             }
         }
     }
+}
+
+const SHELF: &str = r#"Layout(name: "Shelf", spaces: [(
+    pose: (anchor: elbow),
+    targets: [
+        (name: "Lamp", at_mm: (120, 0, -300), shape: Ball(50)),
+        (name: "Door", at_mm: (200, 30, -270), shape: Box(60, 40, 30)),
+    ],
+)])"#;
+
+const MOUSE: &str = r#"Layout(name: "Mouse", pointer: Pointer(
+    mode: Joint(
+        x: (dof: "wrist-deviation", from_deg: -12, to_deg: 20),
+        y: (dof: "wrist-flexion", from_deg: 30, to_deg: -30),
+    ),
+    output: Relative,
+    clutch: Flexion("ring-mcp-flexion", 50),
+))"#;
+
+/// Returns the events of the tour of a layout.
+fn toured(layout: &str, arm: ArmSetup) -> (LoadedSetup, Vec<EventKind>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("own.ron");
+    std::fs::write(&path, layout).unwrap();
+    let setup = Setup {
+        layout: path.to_str().unwrap().into(),
+        arm,
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("the layout is valid");
+    let tour = setup.tour();
+    let mut hand = setup
+        .scripted(&tour, &Hc11Format::default(), 0.0, 0)
+        .unwrap_or_else(|error| panic!("{error}\n{tour}"));
+    let mut pipeline = CheckedPipeline::new(&setup);
+    let mut events = Events::new();
+    let mut kinds = Vec::new();
+    while let Ok(SourceEvent::Reading(reading)) = hand.next() {
+        events.clear();
+        assert!(pipeline.step(&reading, &mut events).is_ok());
+        kinds.extend(events.iter().map(|event| event.kind));
+    }
+    (setup, kinds)
+}
+
+#[test]
+fn a_tour_points_at_each_target_in_space_with_any_hand() {
+    let small = ArmSetup::Measured {
+        hand_length_mm: 160.0,
+        forearm_length_mm: 220.0,
+    };
+    for arm in [ArmSetup::default(), small] {
+        let (setup, kinds) = toured(SHELF, arm);
+        let names = setup.layout.target_names();
+        let selected = kinds.iter().filter_map(|kind| match kind {
+            EventKind::Select(target) => Some(names.get(*target).to_string()),
+            _ => None,
+        });
+        assert_eq!(selected.collect::<Vec<_>>(), ["Lamp", "Door"]);
+    }
+}
+
+#[test]
+fn a_tour_of_a_pointer_with_a_clutch_moves_the_cursor() {
+    let (_, kinds) = toured(MOUSE, ArmSetup::default());
+    let is_motion = |kind: &EventKind| matches!(kind, EventKind::MoveBy(..));
+    assert!(kinds.iter().any(is_motion), "{kinds:?}");
 }
 
 /// The longest tour of a layout with a pause, in readings of a slow line.

@@ -3,12 +3,16 @@
 use std::fmt::Write;
 use std::time::Duration;
 
+use parry3d::math::Vec3;
+
 use super::disturbance;
 use crate::contact::TargetId;
+use crate::contact::surface::Anchor;
+use crate::device::pointer::Gesture;
 use crate::device::trigger::{HandShape, Measure, Trigger};
 use crate::estimate::BendRanges;
-use crate::hand::{Finger, Input};
-use crate::layout::{Control, Handle, Layout};
+use crate::hand::{Finger, Input, Joint};
+use crate::layout::{Control, Fit, Handle, Layout};
 
 /// Rest between two controls, in ms.
 const PAUSE_MS: u32 = 200;
@@ -18,6 +22,10 @@ const TURN_DEG: u32 = 90;
 const INNER: f32 = 0.8;
 /// Angle by which a trigger is passed, in degrees.
 const BEYOND_DEG: f32 = 5.0;
+/// Angle by which a clutch is let go, in degrees: it is off 10° before its threshold.
+const LET_GO_DEG: f32 = 15.0;
+/// Steps in which the place of a point before its fit to the hand is found. The fit moves it by some centimetres, and neighbors alike.
+const FIT_STEPS: usize = 4;
 /// Value by which an input is beyond its threshold.
 const HOLD_BEYOND: f32 = 0.2;
 /// Time for which an input is held, in ms.
@@ -72,6 +80,29 @@ pub fn tour(layout: &Layout) -> Vec<TourStop> {
         None if layout.spaces.is_empty() => {}
         _ if disturbance::is_in_space(layout) => {}
         _ => stops.extend(arm_stops()),
+    }
+    stops
+}
+
+/// Returns the stops of a tour that shows what a pointer and targets in space do: a clutch is held while the arm moves the cursor, and
+/// without a pointer the index fingertip goes to each target with the anchor `elbow`, in place of movements that meet it by chance.
+pub fn aimed_tour(layout: &Layout) -> Vec<TourStop> {
+    let mut stops = tour(layout);
+    let clutch = layout.pointer.as_ref().and_then(|pointer| pointer.clutch);
+    if let Some(Gesture::Flexion(dof, on)) = clutch
+        && let Some(first) = stops.iter().position(TourStop::moves_cursor)
+    {
+        let bent = |degrees: f32| {
+            let angle = on.to_degrees() + degrees * on.signum();
+            arm_stop(format!("set {} {angle:.0}", dof.name()))
+        };
+        stops.insert(first, bent(BEYOND_DEG));
+        stops.push(bent(-LET_GO_DEG));
+    }
+    let aimed = aimed_stops(layout);
+    if !aimed.is_empty() {
+        stops.retain(|stop| !stop.moves_cursor());
+        stops.extend(aimed);
     }
     stops
 }
@@ -257,9 +288,46 @@ fn arm_stops() -> impl Iterator<Item = TourStop> {
         "set wrist-deviation 0",
         "set elbow-flexion 34",
     ];
-    moves.into_iter().map(|actions| TourStop {
+    moves
+        .into_iter()
+        .map(|actions| arm_stop(actions.to_owned()))
+}
+
+fn arm_stop(actions: String) -> TourStop {
+    TourStop {
         name: ARM.to_owned(),
-        actions: actions.to_owned(),
+        actions,
+    }
+}
+
+/// Returns movements of the index fingertip to targets in space. None if one of them does what a tour leaves out: the fingertip passes
+/// through others on its way.
+fn aimed_stops(layout: &Layout) -> Vec<TourStop> {
+    if layout.pointer.is_some() || disturbance::is_in_space(layout) {
+        return Vec::new();
+    }
+    let elbow = Anchor::Joint(Joint::Elbow);
+    let spaces = layout.spaces.iter();
+    let spaces = spaces.filter(|targets| targets.space.frame.anchor == elbow);
+    let mut stops = Vec::new();
+    for targets in spaces {
+        let elbow_from_frame = targets.space.frame.anchor_from_frame;
+        for (name, volume) in targets.names.iter().zip(targets.space.volumes.iter()) {
+            let center = elbow_from_frame.transform_point(volume.center);
+            let Vec3 { x, y, z } = (unfitted(&layout.fit, center) * 1e3).round();
+            stops.push(TourStop {
+                name: name.clone(),
+                actions: format!("point {x} {y} {z}"),
+            });
+        }
+    }
+    stops
+}
+
+/// Returns the position that [`Fit::position_from_elbow`] moves to `point`.
+fn unfitted(fit: &Fit, point: Vec3) -> Vec3 {
+    (0..FIT_STEPS).fold(point, |position, _| {
+        point - (fit.position_from_elbow(position) - position)
     })
 }
 

@@ -216,8 +216,9 @@ impl LoadedSetup {
             let format = Hc11Format::default();
             self.scripted(&stop.actions, &format, 0.0, 0).is_ok()
         };
-        let (stops, others): (Vec<TourStop>, Vec<TourStop>) =
-            sim::tour(&self.layout).into_iter().partition(can_play);
+        let (stops, others): (Vec<TourStop>, Vec<TourStop>) = sim::aimed_tour(&self.layout)
+            .into_iter()
+            .partition(can_play);
         let mut text = sim::tour_text(&self.layout, &stops);
         for stop in others {
             let name = escape(&stop.name);
