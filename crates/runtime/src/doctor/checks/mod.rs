@@ -120,9 +120,18 @@ fn check_display(facts: &Facts, requirements: &Requirements) -> Finding {
     finding("display", status, needed, advice)
 }
 
+fn is_without_display(display: &XDisplay) -> bool {
+    matches!(display, XDisplay::Unset | XDisplay::Unreachable(_))
+}
+
 fn check_compositor(facts: &Facts, requirements: &Requirements) -> Finding {
     let needed = requirements.desktop && uses_compositor(facts);
     let (program, globals) = match &facts.compositor {
+        // The check of the display has the remedy.
+        Compositor::Unset if is_without_display(&facts.display) => {
+            let advice = Advice::new("WAYLAND_DISPLAY is not set", "");
+            return finding("compositor", CheckStatus::Missing, false, advice);
+        }
         Compositor::Unset => {
             let text = "none: WAYLAND_DISPLAY is not set, keys go to the X server";
             return ok("compositor", false, text);

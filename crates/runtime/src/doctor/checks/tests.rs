@@ -108,7 +108,7 @@ fn a_bare_machine_gets_a_step_for_each_check() {
             .into(),
         "uinput: needed, missing: sudo modprobe uinput".into(),
         format!("display: needed, missing: {session}"),
-        "compositor: ok".into(),
+        "compositor: missing".into(),
         "priority: missing: echo \"$USER - nice -20\" | sudo tee /etc/security/limits.d/60-ademan.conf"
             .into(),
         format!("watchdog: missing: {RELEASE}"),
