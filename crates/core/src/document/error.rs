@@ -96,6 +96,15 @@ impl DocumentError {
         }
     }
 
+    /// Returns the errors of the parts of a file as one, in the order of the file; `None` if there are none.
+    pub fn all(errors: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let joined = errors.into_iter().reduce(|mut all, error| {
+            all.add(error);
+            all
+        });
+        joined.map(Self::in_order)
+    }
+
     /// Adds the errors of another part of the file.
     pub(crate) fn add(&mut self, other: Self) {
         for error in other.listed {

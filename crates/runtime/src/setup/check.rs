@@ -19,22 +19,31 @@ use ademan_core::pipeline::{
 };
 
 impl Setup {
-    /// Checks all values.
-    pub(super) fn check(&self) -> Result<(), SetupError> {
-        self.smoothing_filter()?;
-        self.check_position_filter()?;
-        self.pipeline_settings()?;
-        self.check_panic_keys()?;
-        if let Some(text) = &self.text {
-            let checked = Language::check_name(&text.language);
-            checked.map_err(|reason| SetupError::Value(format!("`language`: {reason}")))?;
-        }
-        self.check_profile_names()?;
-        self.check_profiles_by_application()?;
-        if let Some(other) = &self.other_hand {
-            other.arm.bone_lengths()?;
-        }
-        self.arm.bone_lengths().map(drop)
+    /// Checks all values. Returns the errors.
+    pub(super) fn check(&self) -> Vec<SetupError> {
+        let other = self.other_hand.as_ref();
+        let checks = [
+            self.smoothing_filter().map(drop),
+            self.check_position_filter(),
+            self.check_press_rate(),
+            self.check_stall_timeout(),
+            self.check_other_role(),
+            self.check_panic_keys(),
+            self.check_language(),
+            self.check_profile_names(),
+            self.check_profiles_by_application(),
+            other.map_or(Ok(()), |hand| hand.arm.bone_lengths().map(drop)),
+            self.arm.bone_lengths().map(drop),
+        ];
+        checks.into_iter().filter_map(Result::err).collect()
+    }
+
+    fn check_language(&self) -> Result<(), SetupError> {
+        let Some(text) = &self.text else {
+            return Ok(());
+        };
+        let checked = Language::check_name(&text.language);
+        checked.map_err(|reason| SetupError::Value(format!("`language`: {reason}")))
     }
 
     /// Checks the names of the panic keys. A session checks that a keyboard has them.
@@ -157,15 +166,37 @@ impl Setup {
 
     /// Returns the settings of the pipeline.
     pub(super) fn pipeline_settings(&self) -> Result<PipelineSettings, SetupError> {
-        if let Some(other @ (0 | 1001..)) = self.max_presses_per_second {
-            let message = format!("`max_presses_per_second` is 1 to 1000, not {other}");
-            return Err(SetupError::Value(message));
-        }
+        self.check_press_rate()?;
+        self.check_stall_timeout()?;
+        self.check_other_role()?;
+        Ok(PipelineSettings {
+            arm_immediately: self.arm_immediately,
+            stall_timeout: Duration::from_millis(self.stall_timeout_ms.into()),
+            permissions: self.permissions(self.source.as_ref(), self.role),
+            allow_system_keys: self.allow_system_keys,
+            ..PipelineSettings::default()
+        })
+    }
+
+    fn check_press_rate(&self) -> Result<(), SetupError> {
+        let Some(other @ (0 | 1001..)) = self.max_presses_per_second else {
+            return Ok(());
+        };
+        let message = format!("`max_presses_per_second` is 1 to 1000, not {other}");
+        Err(SetupError::Value(message))
+    }
+
+    fn check_stall_timeout(&self) -> Result<(), SetupError> {
         let stall_timeout_ms = self.stall_timeout_ms;
-        if !(20..=10_000).contains(&stall_timeout_ms) {
-            let message = format!("`stall_timeout_ms` is 20 to 10000, not {stall_timeout_ms}");
-            return Err(SetupError::Value(message));
+        if (20..=10_000).contains(&stall_timeout_ms) {
+            return Ok(());
         }
+        let message = format!("`stall_timeout_ms` is 20 to 10000, not {stall_timeout_ms}");
+        Err(SetupError::Value(message))
+    }
+
+    /// Checks that a role of the other hand belongs to a source of its own.
+    fn check_other_role(&self) -> Result<(), SetupError> {
         if let Some(OtherHand {
             source: None,
             role: Some(_),
@@ -175,13 +206,7 @@ impl Setup {
             let message = "`other_hand` has a `role` but no `source`; set the `role` of the first source, which provides both hands";
             return Err(SetupError::Value(message.into()));
         }
-        Ok(PipelineSettings {
-            arm_immediately: self.arm_immediately,
-            stall_timeout: Duration::from_millis(stall_timeout_ms.into()),
-            permissions: self.permissions(self.source.as_ref(), self.role),
-            allow_system_keys: self.allow_system_keys,
-            ..PipelineSettings::default()
-        })
+        Ok(())
     }
 
     /// Returns the permissions of a source with this role. A source on the network has stricter defaults.

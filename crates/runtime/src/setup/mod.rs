@@ -340,7 +340,10 @@ impl Setup {
     pub fn load(path: &str) -> Result<Self, SetupError> {
         let document = Document::open_kind(FileKind::Setup, path)?;
         let mut setup: Self = document.parse_as(&FORMAT)?;
-        setup.check().map_err(|error| error.at_field(&document))?;
+        let errors = setup.check().into_iter();
+        if let Some(error) = DocumentError::all(errors.map(|error| error.at_field(&document))) {
+            return Err(error.into());
+        }
         let folder = document.path.as_deref().and_then(Path::parent);
         let folder = folder.unwrap_or(Path::new(""));
         for (kind, name) in setup.file_names() {
