@@ -216,7 +216,7 @@ fn invalid_sources_are_refused_with_a_remedy() {
 
 #[test]
 fn wrong_names_are_refused_with_the_valid_ones() {
-    let cases: [(&str, &[&str]); 17] = [
+    let cases: [(&str, &[&str]); 18] = [
         ("frob", &["unrecognized subcommand 'frob'"]),
         (
             "trace angels --source typist:a",
@@ -248,6 +248,10 @@ fn wrong_names_are_refused_with_the_valid_ones() {
         (
             "run --source typist:a --output desktop",
             &["DISPLAY is not set", "uinput"],
+        ),
+        (
+            "run --source typist:a --output none:x",
+            &["the output `none:x` takes no argument; available: transcript"],
         ),
         (
             "run --source typist:a --output transcript:/no/x",

@@ -133,7 +133,9 @@ impl From<CaptureError> for Failure {
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         let code = match error {
-            OutputError::Open { .. } | OutputError::UnknownOutput(_) => USE,
+            OutputError::Open { .. }
+            | OutputError::UnknownOutput(_)
+            | OutputError::UnexpectedArgument { .. } => USE,
             _ => JOB,
         };
         Self::new(error, code)
