@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use crate::message::{escape, escape_line, is_escaped};
 
-/// The maximum width of an excerpt, in characters.
-const EXCERPT_WIDTH: usize = 90;
+/// The maximum width of an excerpt, in characters. With the number of the line it fits into 80 columns: a terminal that breaks the line
+/// separates it from its carets.
+const EXCERPT_WIDTH: usize = 70;
 
 /// The number of characters of a long line that are shown before the position.
 const EXCERPT_LEAD: usize = 50;
@@ -371,7 +372,7 @@ mod tests {
         let error = DocumentError::at("a.ron", &text, 500..504, "wrong").to_string();
         let lines: Vec<&str> = error.lines().collect();
         assert_eq!(lines[0], "a.ron:1:501: wrong");
-        assert!(lines[1].chars().count() < 100, "{error}");
+        assert!(lines[1].chars().count() <= 80, "{error}");
         assert!(lines[1].starts_with(" 1 | …a") && lines[1].ends_with("b…"));
         let column = lines[2].chars().position(|c| c == '^').unwrap();
         let marked: String = lines[1].chars().skip(column).take(4).collect();
