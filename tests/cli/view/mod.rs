@@ -244,6 +244,19 @@ fn stop_and_continue(mut screen: Screen, [shown, part]: [&str; 2]) {
 }
 
 #[test]
+fn the_result_of_a_demo_breaks_between_words() {
+    let mut command = ademan(["demo", "--text", "a", "--fast"]);
+    set_terminal(&mut command);
+    let mut screen = Screen::start(&command, 80, 40);
+    assert!(screen.wait().success());
+    let text = screen.text();
+    assert!(
+        text.contains(" % character error\n           rate\n"),
+        "{text}"
+    );
+}
+
+#[test]
 fn a_picture_and_a_transcript_do_not_share_a_terminal() {
     let mut screen = Screen::start(&run(&["--view", "board", "--output", "transcript"]), 80, 24);
     assert_eq!(screen.wait().code(), Some(2));

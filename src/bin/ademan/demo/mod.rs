@@ -34,7 +34,7 @@ use crate::{messages, pause_signals, session, signals, stats, watchdog};
 pub use setup::with_simulated_gloves;
 
 use player::Player;
-use task::Task;
+use task::{Task, write_row};
 use text::TextChoice;
 
 /// Watch a simulated hand type a text or play a script, from glove bytes to events
@@ -233,7 +233,7 @@ fn play_bytes(
     let is_printed = args.output == "transcript";
     let mut out = io::stdout().lock();
     task.report(&mut out, &playback, is_printed)?;
-    writeln!(out, "readings   {}", stats::line(&summary.stats))?;
+    write_row(&mut out, "readings   ", &stats::line(&summary.stats))?;
     outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
 }
 
@@ -267,12 +267,12 @@ fn byte_format(setup: &LoadedSetup, line: &Hc11Format) -> Result<StreamFormat, F
 }
 
 fn announce(task: &Task, setup: &LoadedSetup, source: &str) -> io::Result<()> {
-    writeln!(
-        io::stdout(),
+    let sentence = format!(
         "a simulated hand {} on {} over {source}",
         task.description(),
         escape(&setup.layout.name),
-    )
+    );
+    write_row(&mut io::stdout(), "", &sentence)
 }
 
 fn session_options() -> Result<SessionOptions, Failure> {
@@ -392,29 +392,29 @@ fn report(
     let source = &summary.stats.source;
     let micros = |quantile: f64| summary.latency_ns.value_at_quantile(quantile) as f64 / 1e3;
     let mut out = io::stdout().lock();
-    writeln!(
-        out,
-        "line       {} baud, {:.2} ms per packet: {} packets sent, {} decoded, {} lost",
+    let packets = format!(
+        "{} baud, {:.2} ms per packet: {} packets sent, {} decoded, {} lost",
         line.baud,
         line.packet_period().as_secs_f64() * 1e3,
         hands * playback.packets,
         source.readings,
         // The header of the next packet confirms a packet, and the last one has no next.
         (hands * playback.packets.saturating_sub(1)).saturating_sub(source.readings),
-    )?;
-    writeln!(out, "readings   {}", stats::line(&summary.stats))?;
-    writeln!(
-        out,
-        "latency    from the confirmation of a packet to its events: p50 {:.0} µs, p99 {:.0} µs, max {:.0} µs",
+    );
+    write_row(&mut out, "line       ", &packets)?;
+    write_row(&mut out, "readings   ", &stats::line(&summary.stats))?;
+    let latency = format!(
+        "from the confirmation of a packet to its events: p50 {:.0} µs, p99 {:.0} µs, max {:.0} µs",
         micros(0.5),
         micros(0.99),
         micros(1.0)
-    )?;
-    writeln!(
-        out,
-        "confirmed  by the header of the next packet, {:.2} ms after it, or by a pause",
+    );
+    write_row(&mut out, "latency    ", &latency)?;
+    let confirmed = format!(
+        "by the header of the next packet, {:.2} ms after it, or by a pause",
         line.transmission_time(PACKET_BYTES - BODY_BYTES)
             .as_secs_f64()
             * 1e3
-    )
+    );
+    write_row(&mut out, "confirmed  ", &confirmed)
 }

@@ -11,6 +11,8 @@ use ademan::sim::{PlaybackStats, TypingScore, UsTextField};
 use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
 
+use crate::messages;
+
 /// Longest excerpt of a script in one line, in characters.
 const MAX_EXCERPT: usize = 60;
 
@@ -167,12 +169,12 @@ impl Task {
                     return Ok(());
                 }
                 let edits = score.edits;
-                writeln!(
-                    out,
-                    "quality    {:.1} words/min of correct text (simulated), {:.2} % character error rate",
+                let quality = format!(
+                    "{:.1} words/min of correct text (simulated), {:.2} % character error rate",
                     score.words_per_minute,
                     score.error_rate * 100.0
-                )?;
+                );
+                write_row(out, "quality    ", &quality)?;
                 writeln!(
                     out,
                     "errors     {}, {}, {}",
@@ -180,7 +182,7 @@ impl Task {
                     counted(edits.insertions as u64, "insertion"),
                     counted(edits.deletions as u64, "deletion")
                 )?;
-                writeln!(out, "rests on   1 run with {conditions}")
+                write_row(out, "rests on   ", &format!("1 run with {conditions}"))
             }
             Self::Play { names, events, .. } => {
                 for event in merge(events).iter().filter(|_| !is_printed) {
@@ -190,6 +192,12 @@ impl Task {
             }
         }
     }
+}
+
+/// Writes a row of the result. In a terminal that is narrower, its words go on below their beginning.
+pub fn write_row(out: &mut impl Write, first: &str, words: &str) -> io::Result<()> {
+    let columns = messages::output_columns().unwrap_or_default();
+    writeln!(out, "{}", messages::row(first, words, columns))
 }
 
 /// Merges each run of motions, scrolls, values or positions of one control: hundreds of them hide the other events.
