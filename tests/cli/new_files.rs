@@ -64,3 +64,14 @@ fn a_new_glove_is_tried_with_the_protocol_of_the_one_that_it_copies() {
         assert!(written.out.contains(source), "{}", written.out);
     }
 }
+
+#[test]
+fn a_new_script_is_played_on_the_layout_that_it_is_for_whatever_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let layout = format!("{}.ron", text(&folder.path().join("PROFILE")));
+    run(["layout", "new", &layout, "--from", "media"]).done();
+    let script = folder.path().join("tour");
+    let written = run(["script", "new", text(&script), "--from", &layout]).done();
+    let command = format!("ademan demo --layout {layout} --script ");
+    assert!(written.out.contains(&command), "{}", written.out);
+}

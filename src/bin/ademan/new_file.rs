@@ -37,8 +37,8 @@ pub fn renamed(text: &str, old_name: &str, path: &Path) -> String {
     text.replacen(&field(old_name), &field(&name_of(path)), 1)
 }
 
-/// Creates a file, and prints its origin and the commands that use it. Fails if the file exists. Writes only the text to the
-/// standard output, `-`.
+/// Creates a file, and prints its origin and the commands that use it, with the file in place of each word `FILE`. Fails if the file
+/// exists. Writes only the text to the standard output, `-`.
 pub fn create(path: &Path, text: &str, original: &str, next: &str) -> Result<(), Failure> {
     write(path, text)?;
     announce(path, original, next)
@@ -69,6 +69,11 @@ pub fn announce(path: &Path, original: &str, next: &str) -> Result<(), Failure> 
     let mut out = io::stdout().lock();
     let shown = escape_path(path);
     writeln!(out, "wrote {shown}, {}", escape(original))?;
-    let next = next.replace("FILE", &shell_word(&path.to_string_lossy()));
-    Ok(writeln!(out, "edit it, then: {next}")?)
+    let name = path.to_string_lossy();
+    let file = shell_word(&name);
+    // Only the whole word: another file that a command names may have it in its name.
+    let words = next.split(' ');
+    let words = words.map(|word| if word == "FILE" { &*file } else { word });
+    let commands = words.collect::<Vec<_>>().join(" ");
+    Ok(writeln!(out, "edit it, then: {commands}")?)
 }
