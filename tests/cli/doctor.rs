@@ -262,8 +262,8 @@ fn the_printed_files_are_those_of_the_package() {
     }
 }
 
-#[test]
-fn every_file_of_the_package_exists() {
+/// Returns the files of the Debian package, as its list names them.
+fn package_sources() -> Vec<String> {
     let manifest = fs::read_to_string(root("Cargo.toml")).unwrap();
     let (_, section) = manifest
         .split_once("[package.metadata.deb]")
@@ -272,10 +272,19 @@ fn every_file_of_the_package_exists() {
         .split_once("assets = [")
         .expect("the package has assets");
     let (assets, _) = assets.split_once("\n]").expect("the list is closed");
-    let sources: Vec<_> = assets
-        .lines()
-        .filter_map(|line| line.trim().strip_prefix("[\"")?.split('"').next())
-        .collect();
+    let source = |line: &str| {
+        line.trim()
+            .strip_prefix("[\"")?
+            .split('"')
+            .next()
+            .map(str::to_owned)
+    };
+    assets.lines().filter_map(source).collect()
+}
+
+#[test]
+fn every_file_of_the_package_exists() {
+    let sources = package_sources();
     assert!(sources.len() >= 8, "{sources:?}");
     for source in sources {
         let is_built = source.starts_with("target/");
@@ -284,9 +293,24 @@ fn every_file_of_the_package_exists() {
                 let name = |file: io::Result<fs::DirEntry>| file.unwrap().file_name();
                 files.any(|file| name(file).to_string_lossy().ends_with(suffix))
             }),
-            None => root(source).is_file(),
+            None => root(&source).is_file(),
         };
         assert!(is_built || exists, "{source}");
+    }
+}
+
+#[test]
+fn the_package_has_the_guides_and_the_notices_of_the_language_models() {
+    let sources = package_sources();
+    let models = "crates/text/languages";
+    let files = fs::read_dir(root(models)).unwrap();
+    let names = files.map(|file| file.unwrap().file_name().to_string_lossy().into_owned());
+    let notices = names.filter(|name| name.starts_with("NOTICE"));
+    let notices: Vec<String> = notices.map(|name| format!("{models}/{name}")).collect();
+    assert!(!notices.is_empty());
+    let guides = ["README.md", "SECURITY.md", "docs/*.md", "layouts/README.md"];
+    for wanted in notices.into_iter().chain(guides.map(str::to_owned)) {
+        assert!(sources.contains(&wanted), "{wanted} is not in {sources:?}");
     }
 }
 
