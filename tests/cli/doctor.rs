@@ -17,7 +17,8 @@ fn root(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-fn checks(ended: &Ended) -> Vec<Value> {
+/// Returns the checks of a report in JSON.
+pub(super) fn checks(ended: &Ended) -> Vec<Value> {
     let read: Value = serde_json::from_str(&ended.out).expect("the output is JSON");
     assert_eq!(read["ok"], ended.code == Some(0));
     read["checks"]
@@ -26,7 +27,7 @@ fn checks(ended: &Ended) -> Vec<Value> {
         .clone()
 }
 
-fn check<'a>(checks: &'a [Value], name: &str) -> &'a Value {
+pub(super) fn check<'a>(checks: &'a [Value], name: &str) -> &'a Value {
     let found = checks.iter().find(|check| check["check"] == name);
     found.expect("the check exists")
 }

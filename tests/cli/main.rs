@@ -25,6 +25,7 @@ mod cut_recordings;
 mod demos;
 mod determinism;
 mod doctor;
+mod doctor_parts;
 #[cfg(target_os = "linux")]
 mod faults;
 mod files;

@@ -79,10 +79,12 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// Checks that the outputs can send what the layouts require. A name that is not an output is an error.
+/// Checks that the outputs can send what the layouts require, and that this build and this machine have them. A name that is not an
+/// output is an error.
 fn check_outputs(setup: &LoadedSetup) -> Result<Finding, Failure> {
     let outputs = &setup.setup.output;
-    let (status, text) = match output::check(outputs, &setup.required_capabilities()) {
+    let checked = output::check(outputs, &setup.required_capabilities());
+    let (status, text) = match checked.and_then(|()| output::check_presence(outputs)) {
         Ok(()) => match check_transcripts(outputs) {
             Ok(()) => {
                 let text = format!(

@@ -45,6 +45,9 @@ use crate::files::{FileError, config_folder};
 use ademan_core::message::{escape_line, escape_path};
 use ademan_core::names::named_enum;
 
+/// `true` if this program was built with TLS.
+pub(crate) const HAS_TLS: bool = cfg!(feature = "tls");
+
 named_enum! {
     /// The permission that a token grants. Each includes the ones before it.
     pub enum TokenRole ("role") {

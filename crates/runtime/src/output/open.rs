@@ -4,7 +4,9 @@ use std::path::Path;
 
 use super::router::{Route, Router, route};
 use super::watchdog::WatchdogSettings;
-use super::{BACKENDS, Backend, OpenRequest, OutputError, Sink, find_backend, null, transcript};
+use super::{
+    BACKENDS, Backend, OpenRequest, OutputError, Sink, find_backend, ime, midi, null, transcript,
+};
 use ademan_core::device::{Capabilities, Capability};
 use ademan_core::message::escape;
 
@@ -64,6 +66,21 @@ pub fn check(names: &str, required: &Capabilities) -> Result<(), OutputError> {
         None => Ok(()),
         Some(reason) => Err(OutputError::open(names, reason)),
     }
+}
+
+/// Checks that this build and this machine have what the outputs `ime` and `midi` need, as far as that shows without opening them.
+pub fn check_presence(names: &str) -> Result<(), OutputError> {
+    for output in parse(names)? {
+        let present = if output.backend == &ime::BACKEND {
+            ime::check_build()
+        } else if output.backend == &midi::BACKEND {
+            midi::check_presence(output.argument)
+        } else {
+            Ok(())
+        };
+        present.map_err(|reason| OutputError::open(output.name, reason))?;
+    }
+    Ok(())
 }
 
 /// Checks that outputs opened for a layout that requires `opened` can serve a layout that requires `required`.

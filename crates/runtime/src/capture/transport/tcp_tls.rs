@@ -17,6 +17,9 @@ pub const TRANSPORT: Transport = Transport {
     default_baud: None,
     // The handshake would count as a try with a token.
     probe: Some(|address| {
+        if !network::HAS_TLS {
+            return Err(network::NetworkError::NoTls.to_string());
+        }
         let connected = tcp::connect(address);
         connected
             .map(drop)

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use super::{Scheme, Transport, open_stream};
 use crate::capture::connection::{ByteStream, ConnectError, Connection, Connector};
-use crate::network::zenoh::{DEFAULT_ROUTER, Subscriber, ZenohError, check_key};
+use crate::network::zenoh::{DEFAULT_ROUTER, HAS_ZENOH, Subscriber, ZenohError, check_key};
 
 /// The `zenoh` transport.
 pub const TRANSPORT: Transport = Transport {
@@ -15,7 +15,7 @@ pub const TRANSPORT: Transport = Transport {
     is_device: true,
     has_address: true,
     default_baud: None,
-    probe: None,
+    probe: if HAS_ZENOH { None } else { Some(refuse) },
     check_address: check_key,
     open: |uri| {
         let connector = ZenohConnector {
@@ -32,6 +32,11 @@ const SCHEME: Scheme = Scheme {
     summary: "messages of one key of a zenoh router on this machine (feature `zenoh`)",
     example: "zenoh:lab/desk-3/right?protocol=text-line",
 };
+
+/// Fails: this program was built without zenoh.
+fn refuse(_: &str) -> Result<(), String> {
+    Err(ZenohError::NotBuilt.to_string())
+}
 
 /// Subscriber to a key.
 #[derive(Clone)]

@@ -19,6 +19,9 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 
 use super::canonical;
 
+/// `true` if this program was built with zenoh.
+pub(crate) const HAS_ZENOH: bool = cfg!(feature = "zenoh");
+
 /// The address of the router unless another one is named.
 pub const DEFAULT_ROUTER: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 7447);
 

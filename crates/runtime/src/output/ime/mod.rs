@@ -26,7 +26,15 @@ use sink::open;
 #[cfg(not(all(target_os = "linux", feature = "ime")))]
 mod unsupported;
 #[cfg(not(all(target_os = "linux", feature = "ime")))]
+pub(super) use unsupported::check_build;
+#[cfg(not(all(target_os = "linux", feature = "ime")))]
 use unsupported::open;
+
+/// Checks that this build has an input method. An error states the reason and the remedy.
+#[cfg(all(target_os = "linux", feature = "ime"))]
+pub(super) fn check_build() -> Result<(), String> {
+    Ok(())
+}
 
 /// The backend `ime`.
 pub const BACKEND: Backend = Backend {

@@ -53,6 +53,15 @@ fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
     Ok(Box::new(midi))
 }
 
+/// Checks what opening the output needs, without opening it: the device in its argument, or else ports in this build. An error states
+/// the cause and the remedy.
+pub(super) fn check_presence(argument: Option<&str>) -> Result<(), String> {
+    match argument {
+        Some(path) => raw::check(path.as_ref()),
+        None => port::check_build(),
+    }
+}
+
 /// A sink that sends messages of MIDI.
 ///
 /// While the queue is half full, notes do not begin and are [counted](Sink::dropped_presses); while it is three quarters full, the

@@ -24,7 +24,7 @@ use super::websocket::Messages;
 use super::{Scheme, Transport, check_socket_address, open_stream};
 use crate::capture::HeadsetList;
 use crate::capture::connection::{ConnectError, Connection, Connector};
-use crate::network::{canonical, check_listen_address};
+use crate::network::{HAS_TLS, NetworkError, canonical, check_listen_address};
 
 /// The `headset` transport.
 pub const TRANSPORT: Transport = Transport {
@@ -36,7 +36,7 @@ pub const TRANSPORT: Transport = Transport {
     has_address: true,
     default_baud: None,
     // Another program may serve the page at this moment.
-    probe: None,
+    probe: if HAS_TLS { None } else { Some(refuse) },
     check_address: |address| {
         check_socket_address(SCHEME, address)?;
         parse(address).map(drop)
@@ -58,6 +58,11 @@ const SCHEME: Scheme = Scheme {
     summary: "page for the browser of a headset on the network, over TLS (`ademan serve --lan`)",
     example: "headset:192.168.1.7:8443?page=target/web",
 };
+
+/// Fails: this program was built without TLS.
+fn refuse(_: &str) -> Result<(), String> {
+    Err(NetworkError::NoTls.to_string())
+}
 
 /// The files that the server of a headset reads.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -3,9 +3,9 @@
 #[cfg(unix)]
 mod unix;
 #[cfg(unix)]
-pub(super) use unix::open;
+pub(super) use unix::{check, open};
 
 #[cfg(not(unix))]
 mod unsupported;
 #[cfg(not(unix))]
-pub(super) use unsupported::open;
+pub(super) use unsupported::{check, open};

@@ -4,7 +4,16 @@ use std::path::Path;
 
 use crate::output::midi::thread::Writer;
 
+/// The reason and the remedy.
+const REASON: &str =
+    "this system has no raw devices of MIDI; use the output `midi` without a device";
+
 /// Fails: this system has no raw devices of MIDI.
 pub fn open(_: &Path) -> Result<Writer, String> {
-    Err("this system has no raw devices of MIDI; use the output `midi` without a device".into())
+    Err(REASON.into())
+}
+
+/// Fails as [`open`] does.
+pub fn check(_: &Path) -> Result<(), String> {
+    Err(REASON.into())
 }

@@ -1,0 +1,60 @@
+//! Outputs and sources that this machine or this build lacks, in the report of `ademan doctor`.
+
+use crate::doctor::{check, checks};
+use crate::run;
+
+#[test]
+fn an_output_that_this_machine_or_this_build_lacks_is_a_finding() {
+    let doctor = |layout: &str, output: &str| {
+        let ended = run(["doctor", "--layout", layout, "--output", output, "--json"]);
+        assert_eq!(ended.code, Some(1), "{}{}", ended.out, ended.err);
+        let found = checks(&ended);
+        let outputs = check(&found, "outputs");
+        assert_eq!(outputs["status"], "missing", "{outputs}");
+        outputs["text"].as_str().expect("a text").to_owned()
+    };
+    let device = doctor("piano", "midi:/dev/snd/no-such-device");
+    assert!(
+        device.contains("cannot open /dev/snd/no-such-device"),
+        "{device}"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let no_device = doctor("piano", &format!("midi:{}", folder.path().display()));
+    assert!(
+        no_device.contains("neither a device nor a pipe"),
+        "{no_device}"
+    );
+    if cfg!(not(feature = "midi")) {
+        let port = doctor("piano", "midi");
+        assert!(port.contains("built without ports of MIDI"), "{port}");
+    }
+    if cfg!(not(feature = "ime")) {
+        let text = doctor("qwerty-flat", "ime");
+        assert!(text.contains("this build has no input method"), "{text}");
+    }
+}
+
+#[test]
+fn a_source_that_this_build_lacks_is_a_finding() {
+    let sources = [
+        (
+            cfg!(feature = "zenoh"),
+            "zenoh:lab/right",
+            "built without zenoh",
+        ),
+        (
+            cfg!(feature = "tls"),
+            "headset:127.0.0.1:8443",
+            "built without TLS",
+        ),
+    ];
+    for &(_, source, reason) in sources.iter().filter(|(is_built, ..)| !is_built) {
+        let ended = run(["doctor", "--source", source, "--json"]);
+        assert_eq!(ended.code, Some(1), "{}{}", ended.out, ended.err);
+        let found = checks(&ended);
+        let found_source = check(&found, "source");
+        assert_eq!(found_source["status"], "missing", "{found_source}");
+        let text = found_source["text"].as_str().expect("a text");
+        assert!(text.contains(reason), "{text}");
+    }
+}
