@@ -14,27 +14,46 @@ fn outside() -> impl Iterator<Item = CommandOrigin> {
     origins.filter(|&origin| origin != CommandOrigin::Layout)
 }
 
-/// A simulated hand at the layout `switches`, whose key `pause` toggles the pause.
+/// A layout whose controls issue commands that pause and resume.
+const COMMANDS: &str = r#"Layout(name: "Commands", boards: [(
+    pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45),
+    pitch_mm: 24, size_mm: Box(22, 20),
+    keys: [(code: "A", at_mm: (-24, 0))],
+    toggles: [(name: "toggle", at_mm: (0, 30), tap: Command("toggle-pause"))],
+    radios: [(name: "group", initial: "one", options: [
+        (name: "one", at_mm: (24, 30)),
+        (name: "two", at_mm: (48, 30), tap: Command("resume")),
+    ])],
+)])"#;
+
+/// A simulated hand at a layout: by default `switches`, whose key `pause` toggles the pause.
 struct Hand {
     setup: LoadedSetup,
     pipeline: CheckedPipeline,
     /// Time of the next script, in microseconds.
     start: u64,
     presses: usize,
+    /// The values of controls since they were last looked at.
+    values: Vec<String>,
 }
 
 impl Hand {
     fn new(setup: Setup) -> Self {
+        Self::with_layout("switches", setup)
+    }
+
+    fn with_layout(layout: &str, setup: Setup) -> Self {
         let setup = Setup {
-            layout: "switches".into(),
+            layout: layout.into(),
             ..setup
         };
-        let setup = setup.load_files().expect("a shipped layout");
+        let setup = setup.load_files().expect("a layout");
         Self {
             pipeline: CheckedPipeline::new(&setup),
             setup,
             start: 0,
             presses: 0,
+            values: Vec::new(),
         }
     }
 
@@ -55,6 +74,12 @@ impl Hand {
                 .expect("an accepted reading");
             let is_press = |kind| matches!(kind, EventKind::KeyDown(_));
             self.presses += events.iter().filter(|event| is_press(event.kind)).count();
+            for event in &events {
+                if let EventKind::Value(target, value) = event.kind {
+                    let name = self.pipeline.target_names().get(target);
+                    self.values.push(format!("{name} {value:.2}"));
+                }
+            }
         }
         self.start = last + 10_000;
     }
@@ -66,6 +91,17 @@ impl Hand {
 
     fn pause(&mut self, origin: CommandOrigin) {
         self.pipeline.pause(origin, &mut Events::new());
+    }
+
+    /// Ends a pause of a client, and moves near this key until the output is armed.
+    fn resume_at(&mut self, key: &str) {
+        self.pipeline.resume(CommandOrigin::Client);
+        self.play(&format!("push {key} 0.1; wait 400; lift"));
+        assert_eq!(self.pipeline.state(), PipelineState::Running);
+    }
+
+    fn take_values(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.values)
     }
 }
 
@@ -164,4 +200,56 @@ fn a_toggle_from_outside_ends_every_pause() {
         let toggled = pipeline.execute(&toggle, CommandOrigin::Client, &mut events);
         assert_eq!((toggled, pipeline.paused_by()), (Ok(()), None), "{origin}");
     }
+}
+
+#[test]
+fn switches_and_options_that_are_poked_during_a_pause_stay_as_they_were() {
+    let mut hand = Hand::new(Setup::default());
+    hand.play("push pause 0.1; tap Mute; tap Eraser; push pause 0.1; lift");
+    assert_eq!(
+        hand.take_values(),
+        ["Mute 1.00", "Brush 0.00", "Eraser 1.00"]
+    );
+    hand.pause(CommandOrigin::Client);
+    hand.play("push pause 0.1; tap Mute; tap Hand; tap Brush; push pause 0.1; lift");
+    hand.resume_at("pause");
+    assert!(hand.take_values().is_empty());
+    let before = hand.presses;
+    hand.play("push pause 0.1; tap Mute; tap Brush; push pause 0.1; lift");
+    assert_eq!(
+        hand.take_values(),
+        ["Mute 0.00", "Eraser 0.00", "Brush 1.00"]
+    );
+    assert_eq!(hand.presses, before + 2);
+}
+
+#[test]
+fn a_knob_that_is_turned_during_a_pause_stays_where_it_was() {
+    let mut hand = Hand::with_layout("media", Setup::default());
+    let turn = "push MediaStop 0.1; press Volume 15 0; arc -80; lift; push MediaStop 0.1; lift";
+    hand.pause(CommandOrigin::Client);
+    hand.play(turn);
+    hand.resume_at("MediaStop");
+    assert!(hand.take_values().is_empty());
+    hand.play(turn);
+    let values = hand.take_values();
+    assert_eq!(values.first().map(String::as_str), Some("Volume 0.55"));
+}
+
+#[test]
+fn switches_and_options_with_commands_end_every_pause_of_the_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("commands.ron");
+    std::fs::write(&path, COMMANDS).unwrap();
+    let path = path.to_str().expect("a path in UTF-8");
+    let mut hand = Hand::with_layout(path, Setup::default());
+    for round in 0..2 {
+        hand.play("push A 0.1; tap toggle; push A 0.1; lift");
+        let paused_by = hand.pipeline.paused_by();
+        assert_eq!(paused_by, Some(CommandOrigin::Layout), "round {round}");
+        hand.play("push A 0.1; tap two; push A 0.1; lift");
+        assert_eq!(hand.pipeline.paused_by(), None, "round {round}");
+    }
+    hand.play("push A 0.1; tap toggle; tap toggle; push A 0.1; lift");
+    assert_eq!(hand.pipeline.paused_by(), None);
 }

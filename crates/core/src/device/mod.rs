@@ -240,6 +240,12 @@ impl DeviceOutput<'_> {
         is_pressed
     }
 
+    /// Returns `true` if the session is paused: the events of the step are not sent, and only commands that end the pause are executed.
+    /// What a control keeps beyond the pause, such as the value of a slider, must not change.
+    pub fn is_paused(&self) -> bool {
+        self.arbiter.is_paused()
+    }
+
     /// Emits an event that is neither a press nor a release. Returns `false` if there is no room.
     pub fn emit(&mut self, time: Timestamp, kind: EventKind) -> bool {
         self.arbiter.emit(time, kind, self.events)

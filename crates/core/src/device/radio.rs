@@ -28,9 +28,9 @@ pub struct RadioOption {
 
 /// The radio groups of a layout.
 ///
-/// Pressing an option switches the previous one off, then the new one on. Pressing the option that is on
-/// has no effect. If the press of an option does not fit into the event list, its group has no option on. The loss of a hand switches
-/// off an option that it has switched on and that holds an action.
+/// Pressing an option switches the previous one off, then the new one on. Pressing the option that is on has no effect. If the press
+/// of an option does not fit into the event list, its group has no option on. The loss of a hand switches off an option that it has
+/// switched on and that holds an action. During a pause, whose events are not sent, no option changes; one with a command issues it.
 #[derive(Clone, Debug)]
 pub struct Radios {
     /// The options of all groups, each with the index of its group.
@@ -59,12 +59,17 @@ impl Radios {
 
     fn switch_on(&mut self, index: usize, touch: &Touch, out: &mut DeviceOutput) {
         let (RadioOption { target, output }, group) = self.options[index];
+        let (source, time) = (PressSource::Part(target, 0), touch.time);
+        if out.is_paused() {
+            if let Some(command) = output.command() {
+                out.tap(source, command, time);
+            }
+            return;
+        }
         if self.on[group].is_some_and(|(on, _)| on == index) {
             return;
         }
-        let time = touch.time;
         self.switch_off(group, time, out);
-        let source = PressSource::Part(target, 0);
         let is_on = match output {
             ToggleOutput::ValueOnly => true,
             ToggleOutput::Hold(action) => out.press(source, action, time),

@@ -111,6 +111,9 @@ impl ScrollRings {
             return;
         };
         let (ring, emitter) = &mut self.rings[grip.control];
+        if !emitter.can_move(out) {
+            return;
+        }
         let before = grip.state.position;
         grip.state.position = ring.outside_dead_center(touch.position);
         let (Some(before), Some(now)) = (before, grip.state.position) else {

@@ -70,10 +70,10 @@ impl Track {
 
 /// The sliders and levers of a layout.
 ///
-/// The fingertip that presses a track moves its handle until it releases it; other fingertips are ignored.
-/// A fingertip above the track moves nothing. When the fingertip is lost or strays off, and in
-/// [`VirtualDevice::release_all`], the handle stays or springs back. `release_all` also returns every axis
-/// to 0; the axis of a handle that stays is restored when the handle is held again.
+/// The fingertip that presses a track moves its handle until it releases it; other fingertips are ignored. A fingertip above the track
+/// moves nothing, and none does during a pause. When the fingertip is lost or strays off, and in [`VirtualDevice::release_all`], the
+/// handle stays or springs back. `release_all` also returns every axis to 0; the axis of a handle that stays is restored when the
+/// handle is held again.
 #[derive(Clone, Debug)]
 pub struct Sliders {
     sliders: Vec<(Slider, ValueEmitter)>,
@@ -126,6 +126,9 @@ impl Sliders {
             return;
         };
         let (slider, emitter) = &mut self.sliders[grip.control];
+        if !emitter.can_move(out) {
+            return;
+        }
         let position = (touch.position.x + grip.state) / slider.half_length;
         let value = slider.track.value(position.clamp(-1.0, 1.0));
         emitter.set(snap(value, slider.steps, emitter.value()), touch.time, out);

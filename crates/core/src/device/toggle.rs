@@ -39,11 +39,21 @@ impl ToggleOutput {
             Self::Hold(action) | Self::Tap(action) => action.required_capability(),
         }
     }
+
+    /// Returns the command of the action, if it is one.
+    pub(super) fn command(self) -> Option<KeyAction> {
+        match self {
+            Self::Hold(action @ KeyAction::Command(_))
+            | Self::Tap(action @ KeyAction::Command(_)) => Some(action),
+            _ => None,
+        }
+    }
 }
 
 /// The toggle switches of a layout.
 ///
-/// A switch changes only when it is pressed: not on release, and not when the finger leaves or slides off.
+/// A switch changes only when it is pressed: not on release, and not when the finger leaves or slides off. During a pause, whose events
+/// are not sent, only a switch changes that is off after the pause, or that issues a command.
 #[derive(Clone, Debug)]
 pub struct Toggles {
     /// The switches, each with the hand that has turned it on.
@@ -62,6 +72,10 @@ impl Toggles {
 
     fn switch(&mut self, index: usize, touch: &Touch, out: &mut DeviceOutput) {
         let (Toggle { target, output }, on_by) = &mut self.toggles[index];
+        let is_kept = !matches!(output, ToggleOutput::Hold(_)) && output.command().is_none();
+        if is_kept && out.is_paused() {
+            return;
+        }
         let (source, time) = (PressSource::Part(*target, 0), touch.time);
         let will_be_on = on_by.is_none();
         let has_changed = match *output {

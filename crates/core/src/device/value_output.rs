@@ -120,6 +120,19 @@ impl ValueEmitter {
         self.value
     }
 
+    /// Returns `true` if a fingertip may move the control: not during a pause, as the receiver would not learn of it, unless the control
+    /// issues commands, which may end the pause.
+    pub(super) fn can_move(&self, out: &DeviceOutput) -> bool {
+        let is_command = |action: KeyAction| matches!(action, KeyAction::Command(_));
+        let issues_commands = match self.output {
+            ValueOutput::Taps {
+                increase, decrease, ..
+            } => is_command(increase) || is_command(decrease),
+            _ => false,
+        };
+        issues_commands || !out.is_paused()
+    }
+
     /// Returns `true` if the value and the axis that were emitted last are 0.
     pub(super) fn is_at_zero(&self) -> bool {
         self.value == 0.0 && self.axis == 0.0

@@ -100,6 +100,9 @@ impl XyPads {
         let position = 0.5 + touch.position / (2.0 * self.half_extents[grip.control]);
         for (component, value) in values_of(grip.control).into_iter().enumerate() {
             let (steps, emitter) = &mut self.values[value];
+            if !emitter.can_move(out) {
+                continue;
+            }
             let fraction = position[component].clamp(0.0, 1.0);
             emitter.set(snap(fraction, *steps, emitter.value()), touch.time, out);
         }

@@ -27,6 +27,8 @@ use crate::time::Timestamp;
 pub(super) struct PressRules {
     /// The hand may point but not type, by side.
     pub(super) pointer_only: [bool; Side::COUNT],
+    /// `true` during a pause, whose events are not sent.
+    pub(super) is_paused: bool,
     /// Time between two presses of a sequence that the hand of the step has started.
     pub(super) sequence_gap: Duration,
 }
@@ -306,6 +308,7 @@ impl LayoutInstance {
     ) -> u64 {
         let side = step.pose.side;
         self.key_arbiter.begin_step(side, rules.pointer_only);
+        self.key_arbiter.set_paused(rules.is_paused);
         let finds_letters = self.filter().is_some_and(PressFilter::finds_letters);
         self.key_arbiter.set_first_letters_only(finds_letters);
         let input = DeviceInput {
@@ -466,6 +469,7 @@ mod tests {
             };
             let rules = PressRules {
                 pointer_only: [false; Side::COUNT],
+                is_paused: false,
                 sequence_gap: Duration::ZERO,
             };
             let mut events = Events::new();

@@ -17,6 +17,7 @@ impl Pipeline {
         }
         PressRules {
             pointer_only,
+            is_paused: self.is_paused(),
             sequence_gap: self.gate.rate_limit(index).sequence_gap(),
         }
     }

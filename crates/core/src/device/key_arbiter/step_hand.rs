@@ -16,6 +16,8 @@ pub(super) struct StepHand {
     side: Side,
     /// `true` if the hand may point but not type, by side.
     pointer_only: [bool; Side::COUNT],
+    /// `true` during a pause.
+    is_paused: bool,
     /// The number of typing presses that were dropped because their hand may only point.
     dropped_presses: u64,
     /// The keys and characters of this step that the other hand has caused: presses that were delayed.
@@ -27,6 +29,7 @@ impl Default for StepHand {
         Self {
             side: Side::Right,
             pointer_only: [false; Side::COUNT],
+            is_paused: false,
             dropped_presses: 0,
             of_other_hand: ArrayVec::new(),
         }
@@ -64,6 +67,16 @@ impl KeyArbiter {
         self.hand.side = side;
         self.hand.pointer_only = pointer_only;
         self.hand.of_other_hand.clear();
+    }
+
+    /// Sets whether the steps from now on are those of a pause, whose events are not sent.
+    pub fn set_paused(&mut self, is_paused: bool) {
+        self.hand.is_paused = is_paused;
+    }
+
+    /// Returns `true` if the session is paused.
+    pub(in crate::device) fn is_paused(&self) -> bool {
+        self.hand.is_paused
     }
 
     /// Returns `true` if the other hand has caused this press of a key, or character, of the present step.

@@ -245,7 +245,7 @@ fn turn(
     time: Timestamp,
     out: &mut DeviceOutput,
 ) {
-    if !angle.is_finite() || angle == 0.0 {
+    if !angle.is_finite() || angle == 0.0 || !emitter.can_move(out) {
         return;
     }
     *value = knob.value_after_rotation(*value, angle);
