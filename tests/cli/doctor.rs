@@ -251,11 +251,14 @@ fn the_printed_files_are_those_of_the_package() {
     for (name, file) in files {
         let text = fs::read_to_string(root("packaging").join(file)).unwrap();
         let program = env!("CARGO_BIN_EXE_ademan");
-        // The unit names the program that prints it.
+        // The unit and the launcher name the program that prints them.
         let text = match name {
             "unit" => text
                 .replace("/usr/bin/ademan", program)
                 .replace("ExecPaths=/usr ", &format!("ExecPaths=/usr {program} ")),
+            "desktop" => text
+                .replace("\nExec=ademan ", &format!("\nExec={program} "))
+                .replace("\nTryExec=ademan\n", &format!("\nTryExec={program}\n")),
             _ => text,
         };
         assert_eq!(run(["system-files", name]).done().out, text);

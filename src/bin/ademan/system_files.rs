@@ -98,9 +98,29 @@ pub fn run(args: Args) -> Result<(), Failure> {
 impl SystemFile {
     /// Returns the text for a program at this path, which systemd needs to be absolute. `None` if a unit cannot name it.
     fn text_for(&self, program: &Path) -> Option<Cow<'static, str>> {
-        if self.name != "unit" || program == Path::new(PACKAGED_PROGRAM) {
-            return Some(self.text.into());
+        match self.name {
+            _ if program == Path::new(PACKAGED_PROGRAM) => Some(self.text.into()),
+            "unit" => self.unit_for(program),
+            "desktop" => Some(self.launcher_for(program)),
+            _ => Some(self.text.into()),
         }
+    }
+
+    /// Returns the launcher of a program. A desktop hides a launcher whose program is not in its search path, as a program of `cargo
+    /// build` is not.
+    fn launcher_for(&self, program: &Path) -> Cow<'static, str> {
+        let printable = |text: &&str| !text.contains(char::is_control);
+        let Some(path) = program.to_str().filter(printable) else {
+            return self.text.into();
+        };
+        let exec = format!("\nExec={} ", launcher_word(path));
+        let try_exec = format!("\nTryExec={}\n", path.replace('\\', r"\\"));
+        let text = self.text.replace("\nExec=ademan ", &exec);
+        text.replace("\nTryExec=ademan\n", &try_exec).into()
+    }
+
+    /// Returns the unit of a program; `None` if a unit cannot name it.
+    fn unit_for(&self, program: &Path) -> Option<Cow<'static, str>> {
         let path = program.to_str().filter(|path| is_unit_path(path))?;
         // Without the prefix, variables in the name of the process would be replaced; in the path they never are.
         let literal = if path.contains('$') { ":" } else { "" };
@@ -127,6 +147,24 @@ fn unit_word(text: &str) -> String {
     } else {
         escaped
     }
+}
+
+/// Returns a text as a word of `Exec` in a desktop entry, in which `%` starts a field code. A quoted word is escaped twice: as a word,
+/// and as a value.
+fn launcher_word(text: &str) -> String {
+    const RESERVED: &str = " \"'\\><~|&;$*?#()`";
+    let escaped = text.replace('%', "%%");
+    if !escaped.contains(|it: char| RESERVED.contains(it)) {
+        return escaped;
+    }
+    let mut quoted = String::new();
+    for character in escaped.chars() {
+        if "\"`$\\".contains(character) {
+            quoted.push('\\');
+        }
+        quoted.push(character);
+    }
+    format!("\"{}\"", quoted.replace('\\', r"\\"))
 }
 
 /// Writes a file to its place in the home folder.
@@ -192,4 +230,32 @@ fn own_path(file: &SystemFile) -> Option<PathBuf> {
         }
         None => home.join(inside),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_launcher_names_a_program_with_any_letters() {
+        let launcher = FILES.iter().find(|file| file.name == "desktop");
+        let launcher = launcher.expect("there is a launcher");
+        for (program, exec, try_exec) in [
+            ("/usr/bin/ademan", "ademan", "ademan"),
+            ("/opt/niño/ademan", "/opt/niño/ademan", "/opt/niño/ademan"),
+            ("/opt/5%/ademan", "/opt/5%%/ademan", "/opt/5%/ademan"),
+            (
+                "/my files/ademan",
+                "\"/my files/ademan\"",
+                "/my files/ademan",
+            ),
+            ("/a$b/ademan", r#""/a\\$b/ademan""#, "/a$b/ademan"),
+            (r"/a\b/ademan", r#""/a\\\\b/ademan""#, r"/a\\b/ademan"),
+        ] {
+            let text = launcher.text_for(Path::new(program)).expect("a launcher");
+            for line in [format!("Exec={exec} demo"), format!("TryExec={try_exec}")] {
+                assert!(text.lines().any(|it| it == line), "{line}: {text}");
+            }
+        }
+    }
 }
