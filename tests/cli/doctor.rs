@@ -266,6 +266,30 @@ fn the_printed_files_are_those_of_the_package() {
     }
 }
 
+/// Returns the conditions of the rules for serial ports.
+fn port_conditions(file: &str) -> Vec<String> {
+    let rules = fs::read_to_string(root("packaging").join(file)).unwrap();
+    let ports = rules
+        .lines()
+        .filter(|line| line.starts_with("SUBSYSTEMS==\"usb\""));
+    let conditions = |line: &str| {
+        let parts = line.split(", ").filter(|part| part.starts_with("ATTRS"));
+        parts.collect::<Vec<_>>().join(", ")
+    };
+    ports.map(conditions).collect()
+}
+
+#[test]
+fn both_kinds_of_rules_have_the_adapters_and_the_boards_of_the_firmware() {
+    let ports = port_conditions("60-ademan.rules");
+    assert_eq!(ports, port_conditions("60-ademan-uaccess.rules"));
+    // An Arduino Uno, an ESP32 with USB of its own, and the adapters of a Nano and of other ESP32 boards.
+    for vendor in ["2341", "303a", "0403", "1a86", "10c4"] {
+        let is_named = ports.iter().any(|port| port.contains(vendor));
+        assert!(is_named, "{vendor}: {ports:?}");
+    }
+}
+
 /// Returns the files of the Debian package, as its list names them.
 fn package_sources() -> Vec<String> {
     let manifest = fs::read_to_string(root("Cargo.toml")).unwrap();
