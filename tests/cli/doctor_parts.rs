@@ -24,6 +24,16 @@ fn an_output_that_this_machine_or_this_build_lacks_is_a_finding() {
         no_device.contains("neither a device nor a pipe"),
         "{no_device}"
     );
+    if cfg!(target_os = "linux") {
+        for (path, reason) in [
+            (folder.path().join("none/spnav"), "there is no such folder"),
+            (folder.path().to_owned(), "the file there is not a socket"),
+            (folder.path().join("x".repeat(120)), "a socket path at most"),
+        ] {
+            let text = doctor("arm-6dof", &format!("spacenav:{}", path.display()));
+            assert!(text.contains(reason), "{text}");
+        }
+    }
     if cfg!(not(feature = "midi")) {
         let port = doctor("piano", "midi");
         assert!(port.contains("built without ports of MIDI"), "{port}");

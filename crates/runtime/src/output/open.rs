@@ -5,7 +5,8 @@ use std::path::Path;
 use super::router::{Route, Router, route};
 use super::watchdog::WatchdogSettings;
 use super::{
-    BACKENDS, Backend, OpenRequest, OutputError, Sink, find_backend, ime, midi, null, transcript,
+    BACKENDS, Backend, OpenRequest, OutputError, Sink, find_backend, ime, midi, null, spacenav,
+    transcript,
 };
 use ademan_core::device::{Capabilities, Capability};
 use ademan_core::message::escape;
@@ -68,13 +69,16 @@ pub fn check(names: &str, required: &Capabilities) -> Result<(), OutputError> {
     }
 }
 
-/// Checks that this build and this machine have what the outputs `ime` and `midi` need, as far as that shows without opening them.
+/// Checks that this build and this machine have what the outputs `ime`, `midi` and `spacenav` need, as far as that shows without opening
+/// them.
 pub fn check_presence(names: &str) -> Result<(), OutputError> {
     for output in parse(names)? {
         let present = if output.backend == &ime::BACKEND {
             ime::check_build()
         } else if output.backend == &midi::BACKEND {
             midi::check_presence(output.argument)
+        } else if output.backend == &spacenav::BACKEND {
+            spacenav::check_presence(output.argument)
         } else {
             Ok(())
         };

@@ -8,10 +8,14 @@ mod linux;
 #[cfg(target_os = "linux")]
 pub use linux::Spacenav;
 #[cfg(target_os = "linux")]
+pub(super) use linux::check_presence;
+#[cfg(target_os = "linux")]
 use linux::open;
 
 #[cfg(not(target_os = "linux"))]
 mod unsupported;
+#[cfg(not(target_os = "linux"))]
+pub(super) use unsupported::check_presence;
 #[cfg(not(target_os = "linux"))]
 use unsupported::open;
 

@@ -12,6 +12,7 @@ mod protocol;
 mod server;
 
 use std::io::{self, Write};
+use std::os::unix::fs::FileTypeExt;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::thread::{self, JoinHandle};
@@ -20,7 +21,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
 use super::{BACKEND, BUTTONS, capabilities};
-use crate::output::socket::{Listener, SocketError, default_path};
+use crate::output::socket::{Listener, SocketError, check_path, connect_to_any, default_path};
 use crate::output::{OpenRequest, OutputError, Sink};
 use ademan_core::device::{Axis, Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan_core::message::{escape_path, shell_word};
@@ -40,6 +41,12 @@ const AXES: [Axis; 6] = [
     Axis::TurnZ,
     Axis::TurnY,
 ];
+
+/// Name of the socket in the runtime folder.
+const SOCKET: &str = "spnav.sock";
+
+/// The reason why there is no default path.
+const NO_FOLDER: &str = "XDG_RUNTIME_DIR is not set to a folder";
 
 /// Number of buttons.
 const BUTTON_COUNT: usize = BUTTONS.len();
@@ -107,8 +114,7 @@ impl Spacenav {
     /// than 107 bytes are errors.
     pub fn open(path: Option<&Path>) -> Result<Self, OutputError> {
         let path = match path {
-            None => default_path("spnav.sock")
-                .ok_or_else(|| open_error("XDG_RUNTIME_DIR is not set to a folder"))?,
+            None => default_path(SOCKET).ok_or_else(|| open_error(NO_FOLDER))?,
             Some(path) => std::path::absolute(path).map_err(open_error)?,
         };
         let listener = Listener::open(&path).map_err(|error: SocketError| {
@@ -305,9 +311,34 @@ fn button_number(key: KeyCode) -> Option<usize> {
     BUTTONS.iter().position(|name| *name == key.name())
 }
 
+/// Checks that a server can listen at the path in the argument, or at the default one, as far as that shows without listening. An error
+/// states the cause and the remedy.
+pub fn check_presence(argument: Option<&str>) -> Result<(), String> {
+    let Some(path) = argument else {
+        let default = default_path(SOCKET);
+        return default.map(drop).ok_or_else(|| with_remedy(NO_FOLDER));
+    };
+    let path = std::path::absolute(path).map_err(with_remedy)?;
+    let is_other = |file: std::fs::Metadata| !file.file_type().is_socket();
+    let reason = match check_path(&path) {
+        Err(error) => error.to_string(),
+        Ok(()) if !path.parent().is_some_and(Path::is_dir) => "there is no such folder".to_owned(),
+        Ok(()) if path.symlink_metadata().is_ok_and(is_other) => {
+            "the file there is not a socket".to_owned()
+        }
+        Ok(()) if connect_to_any(&path).is_ok() => SocketError::InUse.to_string(),
+        Ok(()) => return Ok(()),
+    };
+    let path = escape_path(&path);
+    Err(with_remedy(format!("cannot listen at {path}: {reason}")))
+}
+
+fn with_remedy(reason: impl ToString) -> String {
+    format!("{}; use another path: spacenav:PATH", reason.to_string())
+}
+
 fn open_error(reason: impl ToString) -> OutputError {
-    let reason = format!("{}; use another path: spacenav:PATH", reason.to_string());
-    OutputError::open(BACKEND.name, reason)
+    OutputError::open(BACKEND.name, with_remedy(reason))
 }
 
 fn send_error(reason: &str) -> OutputError {
