@@ -2,6 +2,7 @@
 
 use ademan::capture::protocol::{hand_landmarks, joint_sets};
 use ademan::capture::{Reading, SourceUri};
+use ademan::command::{Command, CommandOrigin};
 use ademan::device::{EventKind, Events};
 use ademan::hand::{Finger, Joint, JointPositions, Side};
 use ademan::pipeline::PipelineState;
@@ -17,6 +18,11 @@ const TWO_KEYS: &str = r#"Layout(name: "Two keys", boards: [
     (hand: "left", pose: (anchor: world, right_mm: -150, forward_mm: 470, height_mm: -270), size_mm: Box(40, 40), travel_mm: 10, keys: [(code: "F", at_mm: (0, 0))]),
     (hand: "right", pose: (anchor: world, right_mm: 150, forward_mm: 470, height_mm: -270), size_mm: Box(40, 40), travel_mm: 10, keys: [(code: "J", at_mm: (0, 0))]),
 ])"#;
+
+/// A pointer around the right index fingertip, for the first hand that is seen.
+const POINTER: &str = r#"Layout(name: "Point", pointer: Pointer(mode: Direct(
+    pose: (anchor: world, right_mm: 150, forward_mm: 470, height_mm: -210), size_mm: (200, 200, 200),
+)))"#;
 
 const RATE_HZ: f64 = 30.0;
 
@@ -85,7 +91,7 @@ impl Tracker {
         }
     }
 
-    /// Steps a number of equal lines. Returns the presses and releases.
+    /// Steps a number of equal lines. Returns the presses, releases and motions.
     fn see(&mut self, hands: &[(Side, JointPositions)], lines: usize) -> Vec<String> {
         let line = (self.encode)(hands);
         for _ in 0..lines {
@@ -105,6 +111,7 @@ impl Tracker {
                 match event.kind {
                     EventKind::KeyDown(key) => keys.push(format!("down {key}")),
                     EventKind::KeyUp(key) => keys.push(format!("up {key}")),
+                    EventKind::MoveTo(..) => keys.push("move".to_owned()),
                     _ => {}
                 }
             }
@@ -250,4 +257,24 @@ fn files_play_at_their_nominal_rate_with_one_or_two_hands_in_a_line() {
     let expected =
         expected.map(|number| Some(Timestamp::from_seconds(f64::from(number) / RATE_HZ)));
     assert_eq!(times, expected);
+}
+
+#[test]
+fn a_pointer_is_not_taken_by_a_hand_that_has_left_the_view() {
+    let encode: fn(&[_]) -> String = |hands| joint_sets::encode(&joint_sets::WEBXR, None, hands);
+    let setup = setup("stdin:?protocol=webxr", POINTER, Some(OtherHand::default()));
+    let mut tracker = Tracker::of(setup, encode);
+    let (left, right) = (hand(Side::Left, ABOVE), hand(Side::Right, ABOVE));
+    assert!(!tracker.see(&[left, right], 15).is_empty());
+    assert_eq!(tracker.pipeline.state(), PipelineState::Running);
+    tracker.see(&[right], 10);
+    // It releases everything, after which the next hand points.
+    let (release, origin) = (Command::AllowKeys, CommandOrigin::Client);
+    let released = tracker
+        .pipeline
+        .execute(&release, origin, &mut Events::new());
+    assert_eq!(released, Ok(()));
+    assert_eq!(tracker.pipeline.state(), PipelineState::Running);
+    let moved = tracker.see(&[right], 5);
+    assert!(moved.contains(&"move".to_owned()), "{moved:?}");
 }

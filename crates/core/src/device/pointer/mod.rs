@@ -101,10 +101,21 @@ impl Pointer {
         }
     }
 
-    /// Returns `true` if this hand points. Without a side in the settings, the first hand points.
-    fn is_pointing_hand(&mut self, side: Side) -> bool {
-        let configured = self.screen.as_ref().and_then(|it| it.settings.side);
-        side == configured.unwrap_or(*self.side.get_or_insert(side))
+    /// Returns `true` if this hand points, or if none does yet. Without a side in the settings, the first hand points that is seen where
+    /// the mode needs it: a camera also sends a hand that has left its view.
+    fn is_pointing_hand(&mut self, hand: &TrustedHand) -> bool {
+        let (side, screen) = (hand.pose().side, self.screen.as_ref());
+        let configured = screen.and_then(|screen| screen.settings.side);
+        if let Some(pointing) = configured.or(self.side) {
+            return side == pointing;
+        }
+        let is_seen = match screen {
+            Some(screen) => !hand.jumped() && screen.settings.mode.aim(hand).is_some(),
+            None => hand.tip(Finger::Index).is_some(),
+        };
+        self.side = is_seen.then_some(side);
+        // What had no room in the event list of a release is emitted in a step of any hand.
+        true
     }
 }
 
@@ -320,10 +331,10 @@ impl VirtualDevice for Pointer {
     }
 
     fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
-        if !self.is_pointing_hand(input.pose.side) {
+        let hand = TrustedHand::new(input);
+        if !self.is_pointing_hand(&hand) {
             return;
         }
-        let hand = TrustedHand::new(input);
         let is_pointing = match &mut self.screen {
             Some(screen) => screen.follow(&hand, out),
             None => !hand.jumped(),
