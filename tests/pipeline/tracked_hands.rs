@@ -278,3 +278,17 @@ fn a_pointer_is_not_taken_by_a_hand_that_has_left_the_view() {
     let moved = tracker.see(&[right], 5);
     assert!(moved.contains(&"move".to_owned()), "{moved:?}");
 }
+
+#[test]
+fn the_boards_are_moved_to_the_hand_that_is_seen() {
+    for mut tracker in trackers() {
+        for side in [Side::Right, Side::Left] {
+            tracker.see(&[hand(Side::Left, ABOVE), hand(Side::Right, ABOVE)], 10);
+            tracker.see(&[hand(side, ABOVE)], 10);
+            let (recenter, origin) = (Command::Recenter, CommandOrigin::Client);
+            let mut events = Events::new();
+            let moved = tracker.pipeline.execute(&recenter, origin, &mut events);
+            assert_eq!(moved, Ok(()), "{side}");
+        }
+    }
+}
