@@ -229,6 +229,7 @@ fn a_layout_without_boards_refuses_every_move() {
         &["nudge", "0", "0", "-5"][..],
         &["tilt", "5"],
         &["scale", "1.5"],
+        &["recenter"],
     ] {
         let output = ademan(&[&["ctl", "--socket", socket], request].concat()).output();
         let output = output.expect("the program starts");

@@ -164,6 +164,9 @@ impl Pipeline {
             self.place_again(events);
             return Ok(());
         }
+        if self.layout().scene().surfaces().is_empty() {
+            return Err(CommandError::NoBoards);
+        }
         let index = self.last_tracked_hand().ok_or(CommandError::NoHand)?;
         let layout = &self.profiles[self.active_profile].layout;
         let pose = &self.hands[index].output.pose;
