@@ -124,6 +124,12 @@ fn a_phone_pad_types_letters_by_taps_in_a_row() {
 }
 
 #[test]
+fn a_key_that_dwelling_activates_is_typed_by_a_rest() {
+    let setup = load("switches");
+    assert_eq!(type_text(&setup, "afza", 115_200, 0.0), "afza");
+}
+
+#[test]
 fn two_hands_type_all_of_ascii_on_split_boards() {
     for layout in ["qwerty-two-flat", "qwerty-two-arc"] {
         let setup = load_for_two_hands(layout);

@@ -3,14 +3,17 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use super::action::HandAction;
+use super::action::{HandAction, TargetPoint};
 use crate::contact::TargetId;
-use crate::device::keyboard::{Chord, KeyBinding, action_in_layer};
+use crate::device::keyboard::{Activation, Chord, KeyBinding, action_in_layer};
 use crate::device::{KeyAction, KeyCode, Latch, Multitap, Multitaps};
 use crate::layout::Layout;
 
 /// Time by which the pause between two letters of one multitap key is longer than its time-out.
 const PAUSE_MARGIN: Duration = Duration::from_millis(100);
+
+/// Time by which the rest on a key that dwelling activates is longer than the key needs.
+const REST_MARGIN: Duration = Duration::from_millis(100);
 
 /// Reason why a layout cannot type a character.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -44,9 +47,9 @@ fn list(characters: &[char]) -> String {
     quoted.collect::<Vec<_>>().join(", ")
 }
 
-/// Returns the actions of a hand that type `text` on a layout for a receiver with a US keymap: taps, chords, and pauses between two
-/// letters of one multitap key. Shift and layers are activated by one-shots. If a text decoder `finds_letters` of multitap keys, each
-/// letter is one tap.
+/// Returns the actions of a hand that type `text` on a layout for a receiver with a US keymap: taps, chords, rests on keys that dwelling
+/// activates, and pauses between two letters of one multitap key. Shift and layers are activated by one-shots. If a text decoder
+/// `finds_letters` of multitap keys, each letter is one tap.
 pub fn actions_for_text(
     text: &str,
     layout: &Layout,
@@ -69,15 +72,16 @@ pub(super) fn actions_for_characters(
 }
 
 /// Returns the taps and chords that type `text` on a layout for a receiver with a US keymap, without taps in a row that choose a letter:
-/// each of them replaces a letter. Shift and layers are activated by one-shots. If a text decoder `finds_letters` of multitap keys, each
-/// letter is one tap, and a key with signs types its first one.
+/// each of them replaces a letter. A key that dwelling activates has a tap like any other. Shift and layers are activated by one-shots.
+/// If a text decoder `finds_letters` of multitap keys, each letter is one tap, and a key with signs types its first one.
 pub fn taps_for_text(
     text: &str,
     layout: &Layout,
     finds_letters: bool,
 ) -> Result<Vec<HandAction>, PlanError> {
     let keys = layout.key_bindings();
-    let mut planner = Planner::new(&keys, layout.bend_chords(), &layout.multitaps);
+    let planner = Planner::new(&keys, layout.bend_chords(), &layout.multitaps);
+    let mut planner = planner.without_rests();
     planner.finds_letters = finds_letters;
     planner.chooses_letters = false;
     joined(text.chars().zip(planner.characters(text)))
@@ -113,6 +117,8 @@ fn joined(
 struct Stroke<'a> {
     targets: &'a [TargetId],
     actions: &'a [Option<KeyAction>],
+    /// The time for which a fingertip has to rest on the key; `None` if a tap activates it.
+    dwell: Option<Duration>,
 }
 
 impl Stroke<'_> {
@@ -120,10 +126,15 @@ impl Stroke<'_> {
         action_in_layer(self.actions, layer)
     }
 
-    fn action(self) -> HandAction {
-        match *self.targets {
-            [target] => HandAction::tap(target),
-            _ => HandAction::Chord(self.targets.to_vec()),
+    fn hand_actions(self) -> Vec<HandAction> {
+        match (self.targets, self.dwell) {
+            (&[target], Some(dwell)) => vec![
+                HandAction::Press(TargetPoint::center(target)),
+                HandAction::Wait(dwell + REST_MARGIN),
+                HandAction::Lift,
+            ],
+            (&[target], None) => vec![HandAction::tap(target)],
+            (targets, _) => vec![HandAction::Chord(targets.to_vec())],
         }
     }
 }
@@ -145,13 +156,21 @@ impl<'a> Planner<'a> {
         let keys = keys.iter().map(|key| Stroke {
             targets: std::slice::from_ref(&key.target),
             actions: &key.actions,
+            dwell: match key.activation {
+                Activation::Dwell(time) => Some(time),
+                _ => None,
+            },
         });
         let chords = chords.iter().map(|chord| Stroke {
             targets: &chord.keys,
             actions: &chord.actions,
+            dwell: None,
         });
+        let mut strokes: Vec<Stroke> = keys.chain(chords).collect();
+        // A tap is preferred to a rest.
+        strokes.sort_by_key(|stroke| stroke.dwell.is_some());
         let mut planner = Self {
-            strokes: keys.chain(chords).collect(),
+            strokes,
             layers: Vec::new(),
             multitaps,
             finds_letters: false,
@@ -159,6 +178,16 @@ impl<'a> Planner<'a> {
         };
         planner.find_layers();
         planner
+    }
+
+    /// Taps keys that dwelling activates, too.
+    fn without_rests(mut self) -> Self {
+        for stroke in &mut self.strokes {
+            stroke.dwell = None;
+        }
+        self.layers.clear();
+        self.find_layers();
+        self
     }
 
     fn find_layers(&mut self) {
@@ -189,7 +218,7 @@ impl<'a> Planner<'a> {
                 .then(|| HandAction::Wait(self.multitaps.timeout + PAUSE_MARGIN));
             let last = strokes.last().filter(|stroke| self.has_choice(**stroke));
             open = last.map(|stroke| stroke.targets);
-            let taps = strokes.into_iter().map(Stroke::action);
+            let taps = strokes.into_iter().flat_map(Stroke::hand_actions);
             Ok(pause.into_iter().chain(taps).collect())
         };
         text.chars().map(&mut plan).collect()
@@ -285,7 +314,6 @@ fn is_one_shot_shift(action: KeyAction) -> bool {
 mod tests {
     use super::*;
     use crate::device::MultitapId;
-    use crate::device::keyboard::Activation;
 
     fn key(id: u32, actions: &[Option<KeyAction>]) -> KeyBinding {
         KeyBinding {
@@ -404,6 +432,25 @@ mod tests {
         assert!(is_typed("b", true) && !is_typed("a", false));
         assert!(!is_typed("2", true) && is_typed("q", false));
         assert!(is_typed(".", true) && !is_typed(".", false) && !is_typed(",", true));
+    }
+
+    #[test]
+    fn a_key_that_dwelling_activates_is_rested_on_unless_a_tap_types_the_same() {
+        let mut keys = board();
+        keys[0].activation = Activation::Dwell(Duration::from_millis(400));
+        let rest = vec![
+            HandAction::Press(TargetPoint::center(TargetId(0))),
+            HandAction::Wait(Duration::from_millis(500)),
+            HandAction::Lift,
+        ];
+        assert_eq!(taps("q", &keys, &[]), Ok(rest));
+        let multitaps = Multitaps::default();
+        let planner = Planner::new(&keys, &[], &multitaps).without_rests();
+        let tapped = vec![HandAction::tap(TargetId(0))];
+        assert_eq!(planner.characters("q")[0], Ok(tapped));
+        keys.push(key(3, &[Some(code("Q"))]));
+        let tap = vec![HandAction::tap(TargetId(3))];
+        assert_eq!(taps("q", &keys, &[]), Ok(tap));
     }
 
     #[test]
