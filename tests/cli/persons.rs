@@ -1,5 +1,6 @@
 //! Persons on the command line: files, checks, demos.
 
+use super::files::recorded;
 use super::{file, run, text};
 
 /// Mirrors a layout for the left hand and returns its path.
@@ -216,4 +217,26 @@ fn only_files_of_the_kind_that_is_missing_are_suggested() {
     }
     let ended = run(["run", "numpda.ron"]);
     assert!(!ended.err.contains("did you mean"), "{}", ended.err);
+}
+
+#[test]
+fn a_trace_of_a_recording_has_the_person_that_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = format!("recording:{}", recorded(&folder));
+    let small = file(&folder, "small.ron", "Person(hand_length_mm: 165)");
+    let trace = |person: &[&str]| {
+        let arguments = [&["trace", "pose", "--source", &source][..], person];
+        run(arguments.concat())
+    };
+    let poses = trace(&[]).done().out;
+    let smaller = trace(&["--person", &small]).done().out;
+    assert_eq!(poses.lines().count(), smaller.lines().count());
+    assert!(poses != smaller, "the hand has its recorded size");
+    let missing = trace(&["--person", "nosuch"]);
+    assert_eq!(missing.code, Some(2), "{}", missing.err);
+    assert!(
+        missing.err.contains("nosuch: there is no such file"),
+        "{}",
+        missing.err
+    );
 }

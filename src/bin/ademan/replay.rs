@@ -79,6 +79,7 @@ fn load_setup(args: &Args, replay: &Replay, has_effect: bool) -> Result<LoadedSe
     let settings = ReplaySettings {
         glove: args.glove.as_deref(),
         layout: args.layout.as_deref(),
+        person: None,
         permissions: own.as_ref(),
     };
     let mut setup = LoadedSetup::from_recording(replay.setup(), &settings)?;

@@ -166,11 +166,12 @@ impl SetupArgs {
         }
     }
 
-    /// Returns the replacements of the glove and the layout of a recording.
+    /// Returns the replacements of the glove, the layout and the person of a recording.
     pub fn replay_settings(&self) -> ReplaySettings<'_> {
         ReplaySettings {
             glove: self.glove.as_deref(),
             layout: self.layout.as_deref(),
+            person: self.person.as_deref(),
             permissions: None,
         }
     }

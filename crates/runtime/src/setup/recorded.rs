@@ -19,6 +19,8 @@ pub struct ReplaySettings<'a> {
     pub glove: Option<&'a str>,
     /// The layout that replaces the recorded one: a shipped name or a path.
     pub layout: Option<&'a str>,
+    /// The person in place of the recorded one: a shipped name or a path.
+    pub person: Option<&'a str>,
     /// The setup whose permissions apply. Without one, the permissions of the recording do, which repeats the recorded
     /// session exactly; events must have no effect then.
     pub permissions: Option<&'a Setup>,
@@ -48,12 +50,15 @@ impl LoadedSetup {
             None => Setup::default(),
         };
         change(&mut setup);
+        let person = settings.person.map(str::to_owned);
+        setup.person = person.or(setup.person);
         let own = settings.permissions;
         let ignored_permissions = own.map_or(Vec::new(), |own| setup.replace_permissions(own));
         let read = |kind: &str, name: &str| {
             let replacement = match kind {
                 kind::GLOVE => settings.glove,
                 kind::LAYOUT => settings.layout,
+                kind::PERSON => settings.person,
                 _ => None,
             };
             match (replacement, document(kind)) {

@@ -92,6 +92,7 @@ fn retrace(args: &Args, layout: Option<&str>) -> Result<(String, Retraced, Optio
     let settings = ReplaySettings {
         glove: args.glove.as_deref(),
         layout,
+        person: None,
         permissions: None,
     };
     let setup = LoadedSetup::from_recording(replay.setup(), &settings)?;

@@ -237,6 +237,7 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<Loaded, Failure> {
         let settings = ReplaySettings {
             glove: args.glove.as_deref(),
             layout: args.layout.as_deref(),
+            person: None,
             permissions: None,
         };
         let mut setup = LoadedSetup::from_recording(replay.setup(), &settings)?;
