@@ -237,3 +237,25 @@ fn files_to_start_from_come_with_the_program_and_are_valid() {
     }
     assert!(Path::new(&home.0.path().join("work/my-script.txt")).exists());
 }
+
+#[test]
+fn an_export_of_a_recording_has_its_setup_and_not_the_one_of_the_configuration_folder() {
+    let home = Home::new();
+    home.run("record hand.mcap --source typist:hi").done();
+    home.run("export before.bvh --source recording:hand.mcap")
+        .done();
+    home.write(
+        "config/ademan/setup.ron",
+        "Setup(glove: \"lucidgloves-left\", layout: \"chords-bend\")",
+    );
+    let ended = home
+        .run("export after.bvh --source recording:hand.mcap")
+        .done();
+    let used = "using the setup in hand.mcap\n";
+    assert!(ended.err.contains(used), "{}", ended.err);
+    let [before, after] = ["before.bvh", "after.bvh"].map(|name| {
+        let path = home.0.path().join("work").join(name);
+        fs::read_to_string(path).unwrap()
+    });
+    assert!(before == after, "other poses: {}", ended.err);
+}

@@ -15,6 +15,7 @@ use ademan::trace::bvh::{self, PoseOptions};
 use crate::complete;
 use crate::failure::Failure;
 use crate::setup_args::{SetupArgs, number_in};
+use crate::traced_setup::TracedSetup;
 use crate::{body, session, stats};
 
 /// Write the poses of one or both hands to a BVH file for animation programs, without typing
@@ -34,7 +35,7 @@ pub struct Args {
     /// Order of the rotation channels; `zxy` is R = Rz · Rx · Ry
     #[arg(long, value_name = "ORDER", default_value = "zxy", value_parser = order)]
     order: EulerOrder,
-    /// Setup file
+    /// Setup file. Without it, a recording has its own setup
     #[arg(long, add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]
@@ -53,8 +54,8 @@ enum Hands {
 const MEASURED_POSES: usize = 6000;
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    let setup = args.flags.read_setup(args.setup.as_deref())?;
-    let setup = setup.load_files()?;
+    let traced = TracedSetup::open(&args.flags, args.setup.as_deref())?;
+    let setup = traced.load(|_| {})?;
     let checked = files::check_absent(&args.file);
     checked
         .and_then(|()| files::check_destination(&args.file))
@@ -62,6 +63,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     session::prepare()?;
     let options = SessionOptions {
         output: Some(output::open("none", &setup.required_capabilities())?),
+        source: traced.into_source(),
         lossless_snapshots: true,
         ..SessionOptions::default()
     };

@@ -96,6 +96,7 @@ mod system_files;
 mod text;
 mod token;
 mod trace;
+mod traced_setup;
 mod usage;
 mod view;
 mod watch;

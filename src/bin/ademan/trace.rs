@@ -2,17 +2,16 @@
 
 use std::io::{self, BufWriter, Write};
 
+use ademan::capture::Sample;
 use ademan::capture::bvh::parent_of;
-use ademan::capture::recording::Replay;
-use ademan::capture::{Sample, Source};
 use ademan::command::Command;
 use ademan::geometry::EulerOrder;
 use ademan::hand::Joint;
 use ademan::kinematics::HandPose;
-use ademan::message::{escape_json, escape_path};
+use ademan::message::escape_json;
 use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
-use ademan::setup::{LoadedSetup, PositionSmoothingSetup, Setup, SetupError, SmoothingSetup};
+use ademan::setup::{PositionSmoothingSetup, Setup, SmoothingSetup};
 use ademan::snapshot::Snapshot;
 use ademan::trace::Stage;
 use ademan::trace::hand_signals::HandSignals;
@@ -23,6 +22,7 @@ use crate::body::{AnglesLine, body_of_landmarks, json, order};
 use crate::failure::Failure;
 use crate::sensor_tables::SensorTables;
 use crate::setup_args::SetupArgs;
+use crate::traced_setup::TracedSetup;
 use crate::{complete, session, stats};
 
 /// Print the results of a stage, one JSON object per line
@@ -65,7 +65,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     if args.euler.is_some() && !has_euler {
         return Err(Failure::wrong_use("`--euler` is for `angles` and `body`"));
     }
-    let traced = TracedSetup::open(&args)?;
+    let traced = TracedSetup::open(&args.flags, args.setup.as_deref())?;
     let signals = if args.stats {
         Some(HandSignals::new(traced.load(without_filters)?.pipeline()))
     } else {
@@ -93,60 +93,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
         stats::check_cut(&summary.stats)
     } else {
         stats::report(summary)
-    }
-}
-
-/// The setup of a trace, and the recording that has it.
-enum TracedSetup<'a> {
-    Own(Box<Setup>),
-    /// A recording without a setup that replaces its own.
-    Recorded(Box<Replay>, &'a SetupArgs),
-}
-
-impl<'a> TracedSetup<'a> {
-    fn open(args: &'a Args) -> Result<Self, Failure> {
-        match (args.flags.recording(), &args.setup) {
-            (Some(path), None) => {
-                let mut replay = Replay::open(path)?;
-                if args.flags.names_role() {
-                    replay = replay.without_permissions();
-                }
-                say!("using the setup in {}", escape_path(path));
-                Ok(Self::Recorded(Box::new(replay), &args.flags))
-            }
-            (_, file) => Ok(Self::Own(Box::new(args.flags.read_setup(file.as_deref())?))),
-        }
-    }
-
-    /// Loads the setup after a change to it.
-    fn load(&self, change: fn(&mut Setup)) -> Result<LoadedSetup, SetupError> {
-        let change = |setup: &mut Setup| {
-            // Nothing is typed, so that the trace may begin with the first reading.
-            setup.arm_immediately = true;
-            change(setup);
-        };
-        match self {
-            Self::Own(setup) => {
-                let mut setup = (**setup).clone();
-                change(&mut setup);
-                setup.load_files()
-            }
-            Self::Recorded(replay, flags) => {
-                let settings = flags.replay_settings();
-                LoadedSetup::from_changed_recording(replay.setup(), &settings, |setup| {
-                    flags.override_permissions(setup);
-                    change(setup);
-                })
-            }
-        }
-    }
-
-    /// Returns the source, unless the setup names it.
-    fn into_source(self) -> Option<Box<dyn Source>> {
-        match self {
-            Self::Own(_) => None,
-            Self::Recorded(replay, _) => Some(replay),
-        }
     }
 }
 

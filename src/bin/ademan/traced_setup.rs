@@ -1,0 +1,65 @@
+//! The setup of a source whose results are printed or written, and typed into no program.
+
+use ademan::capture::Source;
+use ademan::capture::recording::Replay;
+use ademan::message::escape_path;
+use ademan::setup::{LoadedSetup, Setup, SetupError};
+
+use crate::failure::Failure;
+use crate::setup_args::SetupArgs;
+
+/// A setup, and the recording that has it.
+pub enum TracedSetup<'a> {
+    /// A setup of the person, or the default one.
+    Own(Box<Setup>),
+    /// A recording without a setup that replaces its own.
+    Recorded(Box<Replay>, &'a SetupArgs),
+}
+
+impl<'a> TracedSetup<'a> {
+    /// Reads the setup in a recording that is the only source, unless `file` names another one.
+    pub fn open(flags: &'a SetupArgs, file: Option<&str>) -> Result<Self, Failure> {
+        match (flags.recording(), file) {
+            (Some(path), None) => {
+                let mut replay = Replay::open(path)?;
+                if flags.names_role() {
+                    replay = replay.without_permissions();
+                }
+                say!("using the setup in {}", escape_path(path));
+                Ok(Self::Recorded(Box::new(replay), flags))
+            }
+            (_, own) => Ok(Self::Own(Box::new(flags.read_setup(own)?))),
+        }
+    }
+
+    /// Loads the setup after a change to it.
+    pub fn load(&self, change: fn(&mut Setup)) -> Result<LoadedSetup, SetupError> {
+        let change = |setup: &mut Setup| {
+            // Nothing is typed, so that the results may begin with the first reading.
+            setup.arm_immediately = true;
+            change(setup);
+        };
+        match self {
+            Self::Own(setup) => {
+                let mut setup = (**setup).clone();
+                change(&mut setup);
+                setup.load_files()
+            }
+            Self::Recorded(replay, flags) => {
+                let settings = flags.replay_settings();
+                LoadedSetup::from_changed_recording(replay.setup(), &settings, |setup| {
+                    flags.override_permissions(setup);
+                    change(setup);
+                })
+            }
+        }
+    }
+
+    /// Returns the source, unless the setup names it.
+    pub fn into_source(self) -> Option<Box<dyn Source>> {
+        match self {
+            Self::Own(_) => None,
+            Self::Recorded(replay, _) => Some(replay),
+        }
+    }
+}
