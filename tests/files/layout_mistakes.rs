@@ -171,6 +171,11 @@ fn numbers() -> Vec<Mistake> {
             "3:13: a number is written without its unit, which is in the name of the field",
         ),
         (
+            "a sign of degrees",
+            board(&format!("pitch_mm: 19°,\n{row}")),
+            "3:13: a number is written without its unit, which is in the name of the field",
+        ),
+        (
             "a calculation",
             board(&format!("pitch_mm: 38/2,\n{row}")),
             "3:13: write the result of the calculation",

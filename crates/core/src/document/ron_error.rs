@@ -159,7 +159,7 @@ impl Slice<'_> {
             Some(';') => "write `,` in place of `;`".into(),
             Some('/' | '*' | '+' | '-') => CALCULATION.into(),
             Some('.') if self.ends_with_number() => WHOLE_NUMBER.into(),
-            Some(first) if first.is_alphabetic() && self.ends_with_number() => {
+            Some(first) if is_of_unit(first) && self.ends_with_number() => {
                 "a number is written without its unit, which is in the name of the field".into()
             }
             _ => "expected a comma or the closing bracket".into(),
@@ -360,6 +360,11 @@ pub(super) fn byte_range(text: &str, error: &SpannedError) -> Range<usize> {
         return start..end;
     }
     start + blanks..end.max(start + blanks)
+}
+
+/// Returns `true` if a unit may begin with the character, such as `mm` or `°`.
+fn is_of_unit(first: char) -> bool {
+    first.is_alphabetic() || first == '°'
 }
 
 fn unknown_name(kind: &'static str, found: &str, expected: &'static [&'static str]) -> String {
