@@ -90,13 +90,21 @@ impl UnknownName {
         text: &str,
         valid: impl IntoIterator<Item = &'a str>,
     ) -> Self {
+        let valid: Vec<&str> = valid.into_iter().collect();
+        let usual = OTHER_WORDS.into_iter().find_map(|(word, name)| {
+            let is_meant = text.eq_ignore_ascii_case(word) && valid.contains(&name);
+            is_meant.then_some(name)
+        });
         Self {
             kind,
             text: text.to_owned(),
-            nearest: nearest(text, valid).map(str::to_owned),
+            nearest: usual.or_else(|| nearest(text, valid)).map(str::to_owned),
         }
     }
 }
+
+/// Usual words for a thing whose name is spelled in no similar way, and that name.
+const OTHER_WORDS: [(&str, &str); 2] = [("pinky", "little"), ("pinkie", "little")];
 
 fn suggestion(nearest: &Option<String>) -> String {
     match nearest {
@@ -201,5 +209,16 @@ mod tests {
             error.to_string(),
             "unknown key `Spcae`, did you mean `Space`?"
         );
+    }
+
+    #[test]
+    fn another_word_for_a_thing_suggests_its_name() {
+        let fingers = ["ring", "little"];
+        for word in ["pinky", "Pinkie"] {
+            let error = UnknownName::new("finger", word, fingers);
+            assert_eq!(error.nearest.as_deref(), Some("little"), "{word}");
+        }
+        let error = UnknownName::new("key", "pinky", ["Space"]);
+        assert_eq!(error.nearest, None, "no key is a finger");
     }
 }

@@ -257,7 +257,7 @@ fn a_trigger_has_a_known_measurement_and_distinct_thresholds() {
             ),
             (
                 r#"(name: "T", when: Pinch(finger: "pinky"))"#,
-                "4:45: unknown finger `pinky`",
+                "4:45: unknown finger `pinky`, did you mean `little`?",
             ),
             (
                 r#"(name: "T", when: Pinch(finger: "index", on_mm: 30))"#,

@@ -109,7 +109,10 @@ fn errors_name_the_position_and_the_syntax() {
             "set wirst-flexion 5",
             "a.txt:1:5: unknown degree of freedom `wirst-flexion`, did you mean `wrist-flexion`?",
         ),
-        ("bend pinky 5", "a.txt:1:6: unknown finger `pinky`"),
+        (
+            "bend pinky 5",
+            "a.txt:1:6: unknown finger `pinky`, did you mean `little`?",
+        ),
         (
             "roll 5 & tap Q",
             "a.txt:1:10: only `set`, `bend` and `roll` can be joined by `&`",
