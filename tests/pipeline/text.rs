@@ -342,6 +342,7 @@ fn a_language_or_letters_that_are_missing_leave_keys_as_they_are() {
             "cannot use the language model",
         ),
         ("en", "numpad", "no layout has letters"),
+        ("en", "chords-bend", "letters of chords are not corrected"),
     ] {
         let (has_decoder, note) = load(language, layout);
         assert!(!has_decoder, "{language} {layout}");

@@ -66,8 +66,14 @@ impl LoadedSetup {
             let other = self
                 .layouts()
                 .find(|layout| text::shows_other_keymap(layout));
+            let has_chords = self.layouts().any(|layout| !layout.chords.is_empty());
+            let missing = if has_chords {
+                "no layout has letters on keys of their own, and letters of chords are not corrected"
+            } else {
+                "no layout has letters"
+            };
             self.text_error = Some(other.map_or_else(
-                || "no layout has letters".to_owned(),
+                || missing.to_owned(),
                 |layout| {
                     format!(
                         "`{}` is for a receiver with another keymap than US, as its labels show, and the decoder types for that one \
