@@ -50,7 +50,7 @@ impl TargetOutOfReach {
 
     /// Returns the step that brings most of several targets within reach.
     pub fn common_step(targets: &[Self]) -> String {
-        reach_advice::by_direction(targets.iter().map(|target| &target.miss))
+        reach_advice::by_direction(targets.iter().map(|target| &target.miss), false)
     }
 }
 
@@ -142,8 +142,10 @@ impl LoadedSetup {
             }
         }
         let can_move = spaces_out_of_reach(layout, hands).is_empty();
-        let step = reach_advice::by_direction(missed.iter().map(|(_, miss)| miss));
-        match can_move.then(|| remedy(layout, hands)).flatten() {
+        let remedy = can_move.then(|| remedy(layout, hands)).flatten();
+        let fits = remedy.as_deref() == Some(RECENTER);
+        let step = reach_advice::by_direction(missed.iter().map(|(_, miss)| miss), fits);
+        match remedy {
             Some(remedy) => format!("{step}; try {remedy}"),
             None => step,
         }
@@ -302,6 +304,9 @@ fn spaces_out_of_reach<'a>(layout: &'a Layout, hands: &Hands) -> Vec<(&'a str, M
     found
 }
 
+/// The command that brings the boards below the hand, if no scale is needed.
+const RECENTER: &str = "`ademan ctl recenter`";
+
 /// Returns the commands that bring all targets on boards within reach: `recenter`, a `scale`, or both.
 fn remedy(layout: &Layout, hands: &Hands) -> Option<String> {
     let is_reached = |candidate: &Layout, scene: &Scene| {
@@ -310,7 +315,7 @@ fn remedy(layout: &Layout, hands: &Hands) -> Option<String> {
             .is_none()
     };
     if is_reached(layout, &recentered(layout, hands)) {
-        return Some("`ademan ctl recenter`".into());
+        return Some(RECENTER.into());
     }
     let document = Document::new(layout.file.as_str(), layout.text.as_str());
     let scaled = |factor: f32| {

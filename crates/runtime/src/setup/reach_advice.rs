@@ -81,8 +81,9 @@ pub(super) fn step(miss: &Miss) -> &'static str {
     Direction::of(miss).step()
 }
 
-/// Returns the step against the most frequent direction of the misses.
-pub(super) fn by_direction<'a>(misses: impl Iterator<Item = &'a Miss>) -> String {
+/// Returns the step against the most frequent direction of the misses. `fits` states that all targets are within reach after a move
+/// of the boards, so that none is too large.
+pub(super) fn by_direction<'a>(misses: impl Iterator<Item = &'a Miss>, fits: bool) -> String {
     let mut counts = [0; Direction::ALL.len()];
     let mut is_placed = false;
     for miss in misses.filter(|miss| miss.distance.is_finite()) {
@@ -100,8 +101,8 @@ pub(super) fn by_direction<'a>(misses: impl Iterator<Item = &'a Miss>) -> String
         }
     }
     match count(main.opposite()) {
-        0 => main.advice().into(),
-        _ => "the board is larger than the reach: make it smaller".into(),
+        1.. if !fits => "the board is larger than the reach: make it smaller".into(),
+        _ => main.advice().into(),
     }
 }
 
@@ -168,8 +169,19 @@ mod tests {
                 "make it smaller",
             ),
         ] {
-            let found = by_direction(misses.iter());
+            let found = by_direction(misses.iter(), false);
             assert!(found.contains(advice), "{found}");
         }
+    }
+
+    #[test]
+    fn a_board_that_fits_after_a_move_is_not_said_to_be_too_large() {
+        let misses = [
+            miss(-0.1, 0.0, 0.0),
+            miss(-0.1, 0.0, 0.0),
+            miss(0.1, 0.0, 0.0),
+        ];
+        let found = by_direction(misses.iter(), true);
+        assert_eq!(found, "the board is too near: move it away");
     }
 }
