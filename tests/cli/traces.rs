@@ -8,7 +8,7 @@ use ademan::device::KeyCode;
 use ademan::hand::{Dof, Finger, Joint};
 use serde_json::{Map, Value};
 
-use super::{ademan, file, run};
+use super::{Ended, ademan, file, run, text};
 use crate::support::source::text_lines;
 
 /// The objects of a stage while `hi` is typed. Their times must not decrease.
@@ -266,4 +266,23 @@ fn a_recording_that_is_not_there_has_no_setup_that_is_announced() {
         ended.err
     );
     assert!(!ended.err.contains("using the setup"), "{}", ended.err);
+}
+
+#[test]
+fn a_trace_of_a_recording_corrects_words_only_if_it_is_asked_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("slips.mcap");
+    let slips = ["--source", "typist:teh quikc fox "];
+    run([&["record", text(&path)][..], &slips].concat()).done();
+    let source = format!("recording:{}", text(&path));
+    let trace = |options: &[&str]| {
+        let arguments = ["trace", "events", "--source", &source];
+        run([&arguments[..], options].concat())
+    };
+    let events = |ended: Ended| ended.done().out.lines().count();
+    let (plain, corrected) = (events(trace(&[])), events(trace(&["--decoder", "auto"])));
+    assert!(plain < corrected, "{plain} {corrected}");
+    let refused = trace(&["--decoder", "auto", "--learned", "me.ron"]);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert!(refused.err.contains("`--learned`"), "{}", refused.err);
 }

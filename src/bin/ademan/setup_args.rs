@@ -95,6 +95,11 @@ impl SetupArgs {
         self.role.is_some() || self.arm_role.is_some()
     }
 
+    /// Returns `true` if a file of what the text decoder has learned is named.
+    pub fn names_learned(&self) -> bool {
+        self.learned.is_some()
+    }
+
     /// Sets a source on standard input, and a layout, if none is named.
     pub fn default_to(&mut self, source: &str, layout: Option<&str>) -> Result<(), Failure> {
         match &self.source {
@@ -141,11 +146,16 @@ impl SetupArgs {
         Ok(setup)
     }
 
-    /// Applies the flags of the text decoder.
-    fn override_text(&self, setup: &mut Setup) {
+    /// Applies the mode and the language of the text decoder.
+    pub fn override_decoder(&self, setup: &mut Setup) {
         if let Some(decoder) = &self.decoder {
             setup.text = Some(decoder.applied_to(setup.text.take()));
         }
+    }
+
+    /// Applies the flags of the text decoder.
+    fn override_text(&self, setup: &mut Setup) {
+        self.override_decoder(setup);
         if let Some(learned) = self.learned.clone() {
             setup.text.get_or_insert_default().learned = Some(learned);
         }

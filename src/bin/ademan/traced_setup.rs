@@ -20,6 +20,9 @@ impl<'a> TracedSetup<'a> {
     /// Reads the setup in a recording that is the only source, unless `file` names another one.
     pub fn open(flags: &'a SetupArgs, file: Option<&str>) -> Result<Self, Failure> {
         match (flags.recording(), file) {
+            (Some(_), None) if flags.names_learned() => Err(Failure::wrong_use(
+                "a recording has what the text decoder had learned before; use `--learned` with `--setup` and a setup of your own",
+            )),
             (Some(path), None) => {
                 let mut replay = Replay::open(path)?;
                 if flags.names_role() {
@@ -49,6 +52,7 @@ impl<'a> TracedSetup<'a> {
                 let settings = flags.replay_settings();
                 LoadedSetup::from_changed_recording(replay.setup(), &settings, |setup| {
                     flags.override_permissions(setup);
+                    flags.override_decoder(setup);
                     change(setup);
                 })
             }

@@ -158,10 +158,10 @@ pub(super) fn read_model(path: &Path) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Refuses the file of a language model that a recording names.
+/// Refuses the file of a language model for a recording.
 pub(super) fn refuse_model(path: &Path) -> Result<Vec<u8>, String> {
     Err(format!(
-        "the recording names the language model {}, and no file is opened because a recording names it",
+        "the language model {} is not in the recording, and no file is opened because a recording names it",
         escape_path(path)
     ))
 }
