@@ -123,6 +123,24 @@ fn a_model_does_not_replace_the_words_that_it_is_built_from() {
 }
 
 #[test]
+fn lines_of_a_list_that_are_no_words_are_counted_and_a_list_without_words_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = folder.path().join("my.adm");
+    let build = |list: &str| run(["text", "build", "--words", list, "-o", text(&model)]);
+    let foreign = file(&folder, "foreign.txt", " word=de,f=225\n word=la,f=216\n");
+    let refused = build(&foreign);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    let reason = "foreign.txt is no list of words";
+    assert!(refused.err.contains(reason), "{}", refused.err);
+    assert!(!model.exists());
+    let mixed = file(&folder, "mixed.txt", "hello 5\ne-mail 3\n\nworld\n");
+    let built = build(&mixed).done();
+    assert!(built.out.contains("2 words"), "{}", built.out);
+    let left_out = "left out 1 of 3 lines";
+    assert!(built.err.contains(left_out), "{}", built.err);
+}
+
+#[test]
 fn a_model_in_the_arpa_format_is_mixed_in_and_its_wrong_lines_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let words = file(&folder, "words.txt", "hello\t5\nworld\nzebra\t0.1\n");

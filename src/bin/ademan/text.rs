@@ -96,8 +96,7 @@ fn build(
     result_files::check(&[output], &[words, texts, arpa].concat())?;
     let mut builder = Builder::new();
     for path in words {
-        let added = builder.words(&read(path)?);
-        added.map_err(|error| Failure::cannot_read(path, error))?;
+        add_list(&mut builder, path)?;
     }
     for path in arpa {
         let added = builder.arpa(&read(path)?);
@@ -124,6 +123,27 @@ fn build(
         model.bigrams.len(),
         bytes.len(),
     )?)
+}
+
+/// Adds a list of words, and reports the lines that are left out.
+fn add_list(builder: &mut Builder, path: &Path) -> Result<(), Failure> {
+    let counts = builder.words(&read(path)?);
+    let (added, left_out) = counts.map_err(|error| Failure::cannot_read(path, error))?;
+    let shown = escape_path(path);
+    match (added, left_out) {
+        (_, 0) => {}
+        (0, _) => {
+            return Err(Failure::wrong_use(format!(
+                "{shown} is no list of words: each line has a word of letters and apostrophes, and its weight behind a blank, as in \
+                 `hello 5`"
+            )));
+        }
+        _ => say!(
+            "left out {left_out} of {} lines of {shown}: they do not begin with a word of letters and apostrophes",
+            added + left_out
+        ),
+    }
+    Ok(())
 }
 
 /// Returns the keys of the first board of a layout that type a character.

@@ -68,14 +68,16 @@ pub fn spelling(word: &str) -> Option<(String, Case)> {
 }
 
 impl Counts {
-    /// Adds an entry of a list.
-    pub fn listed(&mut self, word: &str, weight: f64) {
-        if let Some((key, case)) = spelling(&word.replace('\u{2019}', "'")) {
-            let spelled = self.spelled.entry(key).or_default();
-            spelled.weight = spelled.weight.max(weight);
-            spelled.listed = true;
-            spelled.cases[case as usize] += 1;
-        }
+    /// Adds an entry of a list. Returns `true` if it is a word.
+    pub fn listed(&mut self, word: &str, weight: f64) -> bool {
+        let Some((key, case)) = spelling(&word.replace('\u{2019}', "'")) else {
+            return false;
+        };
+        let spelled = self.spelled.entry(key).or_default();
+        spelled.weight = spelled.weight.max(weight);
+        spelled.listed = true;
+        spelled.cases[case as usize] += 1;
+        true
     }
 
     /// Adds a sentence.

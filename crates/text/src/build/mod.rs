@@ -87,12 +87,13 @@ impl Builder {
     }
 
     /// Adds the words of a list: one each line, with a weight behind a tab or a space if it is not 1. A weight is the number of times that
-    /// the word is expected in a text as long as the given ones.
+    /// the word is expected in a text as long as the given ones. Leaves out lines whose first part is no word, such as `e-mail`, and
+    /// returns the numbers of words that were added and left out.
     ///
     /// # Errors
     ///
     /// Fails at the first line whose weight is not a finite number of 0 or more; nothing of the list is added then.
-    pub fn words(&mut self, list: &str) -> Result<(), LineError> {
+    pub fn words(&mut self, list: &str) -> Result<(usize, usize), LineError> {
         let mut words = Vec::new();
         let list = list.trim_start_matches(BYTE_ORDER_MARK);
         for (index, line) in list.lines().enumerate() {
@@ -108,10 +109,12 @@ impl Builder {
             })?;
             words.push((word, weight));
         }
-        for (word, weight) in words {
-            self.counts.listed(word, weight);
-        }
-        Ok(())
+        let all = words.len();
+        let added = words
+            .into_iter()
+            .filter(|&(word, weight)| self.counts.listed(word, weight))
+            .count();
+        Ok((added, all - added))
     }
 
     /// Adds the words and pairs of a text, a sentence each line. A word that no list has counts if it occurs twice.
