@@ -9,7 +9,7 @@ use ademan::geometry::EulerOrder;
 use ademan::hand::Side;
 use ademan::message::escape_path;
 use ademan::output;
-use ademan::session::{SessionHandle, SessionOptions};
+use ademan::session::{SessionHandle, SessionOptions, counted};
 use ademan::trace::bvh::{self, PoseOptions};
 
 use crate::complete;
@@ -83,7 +83,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let summary = session.join()?;
     let frames = written?;
     if frames > 0 {
-        say!("{frames} frames written to {}", escape_path(&args.file));
+        let count = counted(frames, "frame");
+        say!("{count} written to {}", escape_path(&args.file));
     }
     stats::check_cut(&summary.stats)?;
     if frames == 0 {
@@ -107,6 +108,7 @@ fn write(session: &SessionHandle, path: &Path, options: PoseOptions) -> Result<u
         .filter_map(|snapshot| snapshot.pose);
     let mut poses = poses
         .filter(|pose| options.side.is_none_or(|side| side == pose.side))
+        .skip_while(|pose| pose.known().next().is_none())
         .peekable();
     if poses.peek().is_none() {
         return Ok(0);

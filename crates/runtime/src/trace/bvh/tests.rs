@@ -61,20 +61,22 @@ fn every_joint_of_a_rigid_arm_is_written_within_a_hundredth_of_a_millimetre() {
     }
 }
 
+/// Returns where the right shoulder is to the left of the origin in each frame, in centimetres.
+fn frames(poses: &[HandPose], rate_hz: f64) -> Vec<i64> {
+    let bvh = Bvh::parse(&written(poses, rate_hz)).unwrap();
+    let joints = HandJoints::find(&bvh.motion().skeleton, Side::Right).unwrap();
+    let shoulder = joints.node(Joint::Shoulder).unwrap();
+    let x = |frame| {
+        bvh.positions(frame, PositionChannels::Add)[shoulder]
+            .x
+            .round() as i64
+    };
+    (0..bvh.motion().frame_count).map(x).collect()
+}
+
 #[test]
 fn frames_are_the_latest_poses_at_a_constant_rate() {
     let mut poses = poses(Side::Right, 5);
-    let frames = |written_poses: &[HandPose], rate| {
-        let bvh = Bvh::parse(&written(written_poses, rate)).unwrap();
-        let joints = HandJoints::find(&bvh.motion().skeleton, Side::Right).unwrap();
-        let shoulder = joints.node(Joint::Shoulder).unwrap();
-        let x = |frame| {
-            bvh.positions(frame, PositionChannels::Add)[shoulder]
-                .x
-                .round() as i64
-        };
-        (0..bvh.motion().frame_count).map(x).collect::<Vec<_>>()
-    };
     assert_eq!(frames(&poses, 100.0), [0, -1, -2, -3, -4]);
     assert_eq!(frames(&poses, 200.0), [0, 0, -1, -1, -2, -2, -3, -3, -4]);
     assert_eq!(frames(&poses, 50.0), [0, -2, -4]);
@@ -96,6 +98,18 @@ fn a_hand_that_is_nowhere_keeps_its_last_pose() {
     let last = positions(119);
     assert!((120..150).all(|frame| positions(frame) == last));
     assert_ne!(positions(150), last);
+}
+
+#[test]
+fn a_hand_that_is_not_known_in_most_poses_stays_where_it_was() {
+    let mut poses = poses(Side::Right, 12);
+    for index in [0, 1, 4, 5, 6, 7, 8, 9, 10] {
+        let pose = &mut poses[index];
+        *pose = HandPose::new(pose.time, pose.side, pose.tip_radius);
+    }
+    let expected = [-2, -3, -3, -3, -3, -3, -3, -3, -3, -11];
+    assert_eq!(frames(&poses, 100.0), expected);
+    assert!(written(&poses[4..11], 100.0).is_empty());
 }
 
 #[test]
