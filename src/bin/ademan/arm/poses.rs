@@ -274,7 +274,7 @@ fn half_pose(
     })
 }
 
-/// Parses the size of an image, such as `1280,720`.
+/// Parses the size of an image, such as `1280x720` or `1280,720`.
 pub fn image_size(text: &str) -> Result<ImageSize, String> {
     let number = |part: &str| part.trim().parse::<f64>().ok();
     let size = text.split_once([',', 'x']);
@@ -282,7 +282,7 @@ pub fn image_size(text: &str) -> Result<ImageSize, String> {
         Some((Some(width), Some(height))) if width >= 1.0 && height >= 1.0 => {
             Ok(ImageSize { width, height })
         }
-        _ => Err("write the width and the height in pixels, such as 1280,720".into()),
+        _ => Err("write the width and the height in pixels, such as 1280x720".into()),
     }
 }
 
