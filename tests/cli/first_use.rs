@@ -202,6 +202,29 @@ fn boards_in_one_place_are_a_warning_with_the_distance() {
 }
 
 #[test]
+fn a_layer_that_nothing_activates_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let check = |keys: &str| {
+        let layout = format!(
+            "Layout(name: \"digits\", boards: [(\
+             pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45), keys: [\
+             (code: \"A\", at_mm: (0, 0)), {keys}])], layers: [(name: \"digits\", keys: {{\"A\": \"1\"}})])"
+        );
+        let path = file(&folder, "digits.ron", layout);
+        run(["layout", "check", &path]).done().err
+    };
+    let warned = check("");
+    let warning = "nothing activates the layer `digits`; add a key with `layer: \"digits\"`";
+    assert!(warned.contains(warning), "{warned}");
+    for keys in [
+        "(layer: \"digits\", latch: OneShot, at_mm: (19, 0))",
+        "(code: \"B\", hold: (layer: \"digits\"), at_mm: (19, 0))",
+    ] {
+        assert_eq!(check(keys), "", "{keys}");
+    }
+}
+
+#[test]
 fn wrong_names_in_a_setup_have_a_line() {
     let folder = tempfile::tempdir().unwrap();
     for (field, expected) in [

@@ -157,8 +157,8 @@ fn json_of(file: &str, outcome: &Result<Checked, DocumentError>) -> Value {
 }
 
 /// Returns one warning for all controls that no hand of the setup reaches, one for each control within reach that the simulated hand
-/// cannot press, one for each pair of boards in one place, and one for a layout that follows a hand or a point of the body which the
-/// setup does not measure. Such a layout is still valid.
+/// cannot press, one for each pair of boards in one place, one for each layer that nothing activates, and one for a layout that follows
+/// a hand or a point of the body which the setup does not measure. Such a layout is still valid.
 fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let setup = Setup {
         layout: layout.file.clone(),
@@ -186,6 +186,10 @@ fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let unpressable = unpressable.map(ToString::to_string).chain(more);
     let overlaps = setup.layout.board_overlaps();
     let overlaps = overlaps.iter().map(BoardOverlap::message);
+    let idle_layers = setup.layout.idle_layers.iter().map(|name| {
+        let name = escape(name);
+        format!("nothing activates the layer `{name}`; add a key with `layer: \"{name}\"`")
+    });
     let missing = setup.missing_other_hand(&setup.layout);
     let missing = missing.map(str::to_owned).into_iter();
     let unmeasured = setup.unmeasured_body_point(&setup.layout);
@@ -194,6 +198,7 @@ fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
         .into_iter()
         .chain(unpressable)
         .chain(overlaps)
+        .chain(idle_layers)
         .chain(missing)
         .chain(unmeasured)
         .chain(elbow)

@@ -60,6 +60,8 @@ pub struct Layout {
     pub controls: Vec<Control>,
     /// Names of the layers, [`BASE_LAYER`] first.
     pub layers: Vec<String>,
+    /// Names of the layers that no action activates.
+    pub idle_layers: Vec<String>,
     /// Names of the profiles that keys activate with [`Command::Profile`](crate::command::Command::Profile).
     pub profiles: Vec<String>,
     /// Texts that keys and sequences write, indexed by [`TextId`].

@@ -99,7 +99,7 @@ impl<'a> LayoutBuilder<'a> {
     }
 
     fn layer_action(
-        &self,
+        &mut self,
         name: Spanned<'a>,
         latch: Option<LatchSchema>,
     ) -> Result<KeyAction, DocumentError> {
@@ -108,6 +108,7 @@ impl<'a> LayoutBuilder<'a> {
             let names = self.layers.iter().map(String::as_str);
             return Err(self.error(name, UnknownName::new("layer", name, names)));
         };
+        self.activated_layers.insert(layer);
         Ok(KeyAction::Layer(layer, checked_latch(latch)))
     }
 

@@ -43,6 +43,8 @@ pub(super) struct LayoutBuilder<'a> {
     keys: Vec<Key>,
     controls: Vec<Control>,
     layers: Vec<String>,
+    /// Indices of the layers that an action activates.
+    activated_layers: BTreeSet<usize>,
     texts: Vec<String>,
     sequences: Vec<Sequence>,
     multitaps: Vec<Multitap>,
@@ -98,6 +100,7 @@ impl<'a> LayoutBuilder<'a> {
             keys: Vec::new(),
             controls: Vec::new(),
             layers: vec![BASE_LAYER.to_owned()],
+            activated_layers: BTreeSet::from([0]),
             texts: Vec::new(),
             sequences: Vec::new(),
             multitaps: Vec::new(),
@@ -193,6 +196,9 @@ impl<'a> LayoutBuilder<'a> {
         let sources = self.sources.iter().map(range).collect();
         let (errors, faulty) = (self.errors.in_order(), self.faulty);
         let one_line = |text: Spanned| text.text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let layers = self.layers.iter().enumerate();
+        let idle_layers = layers.filter(|(index, _)| !self.activated_layers.contains(index));
+        let idle_layers = idle_layers.map(|(_, name)| name.clone()).collect();
         let layout = Layout {
             name: one_line(self.name),
             description: description.map_or(String::new(), one_line),
@@ -204,6 +210,7 @@ impl<'a> LayoutBuilder<'a> {
             keys: self.keys,
             controls: self.controls,
             layers: self.layers,
+            idle_layers,
             profiles: self.profiles,
             texts: self.texts,
             sequences: self.sequences,
