@@ -2,7 +2,11 @@
 //! the nearest key to each intended tap loses.
 
 use ademan_core::contact::surface::{Scene, Shape};
-use ademan_core::contact::{ContactTracker, Phase, TargetId, Touches};
+use ademan_core::contact::{ContactTracker, Phase, Presses, TargetId, Touch, Touches};
+use ademan_core::device::{
+    DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, TimedCommands, VirtualDevice,
+};
+use ademan_core::estimate::JointAngles;
 use ademan_core::hand::{Finger, Joint, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
@@ -48,6 +52,7 @@ fn minimum_jerk(t: f32) -> f32 {
 }
 
 struct Board {
+    layout: Layout,
     scene: Scene,
     /// The keys that write letters: target, center and half extents on the board.
     letters: Vec<(TargetId, Vec2, Vec2)>,
@@ -78,7 +83,8 @@ impl Board {
         let letters: Vec<_> = all.iter().copied().filter(|key| is_letter(key.0)).collect();
         assert_eq!(letters.len(), 26);
         Self {
-            scene: layout.scene,
+            scene: layout.scene.clone(),
+            layout,
             letters,
             all,
         }
@@ -212,5 +218,117 @@ fn a_fingertip_that_a_tracker_loses_for_one_picture_types_on() {
         let errors = type_letters(&board, &typist, 4_000, 12);
         println!("{rate}: {errors:?}");
         assert!(errors.program <= 0.003, "{rate}: {errors:?}");
+    }
+}
+
+/// The keys that taps press.
+#[derive(Debug, Default)]
+struct Counted {
+    /// Presses beyond the first one of each tap, as contact reports them.
+    repeated: usize,
+    /// Key events beyond the first one of each tap.
+    inserted: usize,
+    /// Taps without a key event.
+    missed: usize,
+}
+
+/// The keyboards of a board, without a decoder and an output.
+struct Keyboards {
+    devices: Vec<Box<dyn VirtualDevice>>,
+    arbiter: KeyArbiter,
+}
+
+impl Keyboards {
+    /// Returns the number of keys that the touches of a step press.
+    fn presses(&mut self, scene: &Scene, pose: &HandPose, touches: &[Touch]) -> usize {
+        let input = DeviceInput {
+            scene,
+            angles: &JointAngles::default(),
+            bends: &Default::default(),
+            inputs: &Default::default(),
+            pose,
+            touches,
+            presses: &Presses::new(),
+        };
+        let mut events = Events::new();
+        let mut output = DeviceOutput {
+            arbiter: &mut self.arbiter,
+            events: &mut events,
+            commands: &mut TimedCommands::new(),
+        };
+        for device in &mut self.devices {
+            device.update(&input, &mut output);
+        }
+        let is_press = |kind: &EventKind| matches!(kind, EventKind::KeyDown(_));
+        events.iter().filter(|event| is_press(&event.kind)).count()
+    }
+}
+
+/// Taps the middle of letters 3 to 7 mm deep, for 40 to 120 ms.
+fn tap_letters(board: &Board, typist: &Typist, taps: usize, seed: u64) -> Counted {
+    let mut motion = Motion {
+        random: fastrand::Rng::with_seed(seed),
+        time: 0.0,
+        at: Vec2::ZERO,
+    };
+    let mut keyboards = Keyboards {
+        devices: board.layout.devices(),
+        arbiter: KeyArbiter::new(board.layout.texts.clone()),
+    };
+    let mut tracker = ContactTracker::new(&board.scene);
+    let mut touches = Touches::new();
+    let mut counted = Counted::default();
+    for _ in 0..taps {
+        let (_, center, _) = board.letters[motion.random.usize(..board.letters.len())];
+        let depth = 0.003 + 0.004 * motion.random.f32();
+        let dwell = 0.04 + 0.08 * motion.random.f32();
+        let from = std::mem::replace(&mut motion.at, center);
+        let (mut presses, mut keys) = (0, 0);
+        let start = motion.time;
+        while motion.time < start + dwell + 0.3 {
+            let t = motion.time - start;
+            let way = from.lerp(center, minimum_jerk(t / 0.1));
+            let down = minimum_jerk((t - 0.1) / 0.08) - minimum_jerk((t - 0.18 - dwell) / 0.08);
+            let pad = way.extend(0.015 - (0.015 + depth) * down);
+            let noise = Vec3::new(motion.normal(), motion.normal(), motion.normal());
+            let time = Timestamp((motion.time * 1e6) as u64 + 1);
+            let pose = board.pose(time, Some(pad + noise * typist.noise));
+            touches.clear();
+            tracker.update(&board.scene, &pose, &mut touches);
+            let is_press = |touch: &&Touch| touch.phase == Phase::Pressed;
+            presses += touches.iter().filter(is_press).count();
+            keys += keyboards.presses(&board.scene, &pose, &touches);
+            motion.time += 1.0 / typist.rate;
+        }
+        counted.repeated += presses.saturating_sub(1);
+        counted.inserted += keys.saturating_sub(1);
+        counted.missed += usize::from(keys == 0);
+    }
+    counted
+}
+
+#[test]
+fn the_noise_of_a_tracker_types_no_letter_twice() {
+    let board = Board::qwerty();
+    for (noise, rate, max_inserted) in [
+        (0.001, 60.0, 0),
+        (0.001, 175.0, 0),
+        (0.002, 60.0, 10),
+        (0.002, 90.0, 10),
+        (0.002, 175.0, 10),
+    ] {
+        let typist = Typist {
+            noise,
+            rate,
+            ..STEADY
+        };
+        let counted = tap_letters(&board, &typist, 2_000, 13);
+        println!("{noise} {rate}: {counted:?}");
+        assert!(counted.repeated > 10, "contact alone repeats them");
+        assert!(
+            counted.inserted <= max_inserted,
+            "{noise} {rate}: {counted:?}"
+        );
+        assert_eq!(counted.missed, 0, "{noise} {rate}: {counted:?}");
     }
 }

@@ -2,39 +2,72 @@
 
 use std::time::Duration;
 
+use crate::device::PressSource;
 use crate::time::Timestamp;
 
-/// The last release of each key, by the index of its binding.
+/// The last releases of the keys, by the index of their bindings.
 #[derive(Clone, Debug)]
 pub(super) struct Debouncer {
-    released_at: Vec<Option<Timestamp>>,
+    keys: Vec<Bounces>,
+}
+
+/// The last release of a key.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bounces {
+    released_at: Option<Timestamp>,
+    /// The press of this source was ignored, and has not ended yet.
+    ignored: Option<PressSource>,
 }
 
 impl Debouncer {
     /// Creates a debouncer for `count` keys, none released yet.
     pub(super) fn new(count: usize) -> Self {
         Self {
-            released_at: vec![None; count],
+            keys: vec![Bounces::default(); count],
         }
     }
 
     /// Records the release of a key.
     pub(super) fn record_release(&mut self, index: usize, time: Timestamp) {
-        if let Some(released_at) = self.released_at.get_mut(index) {
-            *released_at = Some(time);
+        if let Some(key) = self.keys.get_mut(index) {
+            key.released_at = Some(time);
         }
     }
 
-    /// Returns `true` if a press follows the release of its key within `debounce`. A press before the release
+    /// Records the end of a press that was ignored, if it is one: the key goes on to bounce, however often noise presses it.
+    pub(super) fn end_ignored(&mut self, index: usize, source: PressSource, time: Timestamp) {
+        if let Some(key) = self.keys.get_mut(index)
+            && key.ignored.take_if(|ignored| *ignored == source).is_some()
+        {
+            key.released_at = Some(time);
+        }
+    }
+
+    /// Returns `true` if a press follows the release of its key within `debounce`, and is to be ignored. A press before the release
     /// comes from another finger and is not a bounce.
+    pub(super) fn ignores(
+        &mut self,
+        index: usize,
+        source: PressSource,
+        time: Timestamp,
+        debounce: Duration,
+    ) -> bool {
+        let is_bounce = self.is_bounce(index, time, debounce);
+        if let Some(key) = self.keys.get_mut(index).filter(|_| is_bounce) {
+            key.ignored = Some(source);
+        }
+        is_bounce
+    }
+
+    /// Returns `true` if a press follows the release of its key within `debounce`.
     pub(super) fn is_bounce(&self, index: usize, time: Timestamp, debounce: Duration) -> bool {
-        let released_at = self.released_at.get(index).copied().flatten();
+        let released_at = self.keys.get(index).and_then(|key| key.released_at);
         released_at
             .is_some_and(|released_at| time >= released_at && time.since(released_at) < debounce)
     }
 
     /// Forgets all releases.
     pub(super) fn reset(&mut self) {
-        self.released_at.fill(None);
+        self.keys.fill(Bounces::default());
     }
 }

@@ -112,7 +112,8 @@ impl Keyboard {
             ..
         } = self.bindings[index];
         let is_dwell = matches!(activation, Activation::Dwell(_));
-        if is_dwell || self.debouncer.is_bounce(index, touch.time, debounce) {
+        let source = PressSource::from_touch(touch);
+        if is_dwell || self.debouncer.ignores(index, source, touch.time, debounce) {
             return;
         }
         if reports_velocity {
@@ -167,12 +168,14 @@ impl Keyboard {
     /// Ends the press of a touch. A cancelled press does not count as a tap.
     fn end_press(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         let source = PressSource::from_touch(touch);
-        if let Some(index) = self.index.get(touch.target)
-            && (self.is_pending(source)
+        if let Some(index) = self.index.get(touch.target) {
+            if self.is_pending(source)
                 || out.arbiter.has_press_from(source)
-                || self.velocities.is_held_by(source))
-        {
-            self.debouncer.record_release(index, touch.time);
+                || self.velocities.is_held_by(source)
+            {
+                self.debouncer.record_release(index, touch.time);
+            }
+            self.debouncer.end_ignored(index, source, touch.time);
         }
         self.pending.retain(|press| press.source != source);
         self.velocities
