@@ -38,6 +38,15 @@ fn a_switch_changes_once_per_press() {
 }
 
 #[test]
+fn noise_between_press_and_release_depth_changes_a_switch_once() {
+    let noise = "index Light down; index Light up; ".repeat(20);
+    assert_eq!(
+        simulate(VALUE_ONLY, &format!("index Light up; {noise}")),
+        "value:Light=1.000"
+    );
+}
+
+#[test]
 fn a_switch_holds_its_action_while_it_is_on() {
     assert_eq!(
         simulate(HOLD, "index Shift tap; index A tap; index Shift tap"),

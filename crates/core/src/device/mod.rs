@@ -19,6 +19,7 @@ mod key_names;
 pub mod pressed_keys;
 pub mod capabilities;
 pub mod key_arbiter;
+mod debounce;
 mod target_index;
 mod grips;
 mod steps;

@@ -1,5 +1,8 @@
 //! Toggle switches: a press turns one on, the next press turns it off.
 
+use std::time::Duration;
+
+use super::debounce::Debouncer;
 use super::target_index::TargetIndex;
 use super::{
     Capabilities, Capability, DeviceInput, DeviceOutput, EventKind, KeyAction, PressSource,
@@ -8,6 +11,9 @@ use super::{
 use crate::contact::{Phase, TargetId, Touch};
 use crate::hand::Side;
 use crate::time::Timestamp;
+
+/// The time after a release during which a switch ignores presses, as keys do by default.
+const DEBOUNCE: Duration = Duration::from_millis(40);
 
 /// A toggle switch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,13 +58,14 @@ impl ToggleOutput {
 
 /// The toggle switches of a layout.
 ///
-/// A switch changes only when it is pressed: not on release, and not when the finger leaves or slides off. During a pause, whose events
-/// are not sent, only a switch changes that is off after the pause, or that issues a command.
+/// A switch changes only when it is pressed: not on release, not when the finger leaves or slides off, and not within 40 ms of a
+/// release. During a pause, whose events are not sent, only a switch changes that is off after the pause, or that issues a command.
 #[derive(Clone, Debug)]
 pub struct Toggles {
     /// The switches, each with the hand that has turned it on.
     toggles: Vec<(Toggle, Option<Side>)>,
     index: TargetIndex,
+    debouncer: Debouncer,
 }
 
 impl Toggles {
@@ -66,6 +73,7 @@ impl Toggles {
     pub fn new(toggles: Vec<Toggle>) -> Self {
         Self {
             index: TargetIndex::new(toggles.iter().map(|toggle| toggle.target)),
+            debouncer: Debouncer::new(toggles.len()),
             toggles: toggles.into_iter().map(|toggle| (toggle, None)).collect(),
         }
     }
@@ -107,15 +115,24 @@ impl VirtualDevice for Toggles {
 
     fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
         for touch in input.touches {
-            if touch.phase == Phase::Pressed
-                && let Some(index) = self.index.get(touch.target)
-            {
-                self.switch(index, touch, out);
+            let Some(index) = self.index.get(touch.target) else {
+                continue;
+            };
+            match touch.phase {
+                Phase::Pressed if !self.debouncer.is_bounce(index, touch.time, DEBOUNCE) => {
+                    self.switch(index, touch, out);
+                }
+                // Also the end of a press that was ignored, so that noise switches once.
+                Phase::Released | Phase::Cancelled => {
+                    self.debouncer.record_release(index, touch.time);
+                }
+                _ => {}
             }
         }
     }
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+        self.debouncer.reset();
         for (toggle, on_by) in &mut self.toggles {
             let holds = matches!(toggle.output, ToggleOutput::Hold(_));
             if holds && on_by.take().is_some() {

@@ -2,7 +2,6 @@
 
 mod binding;
 mod chords;
-mod debounce;
 mod depth;
 mod dwell;
 mod pending;
@@ -14,11 +13,11 @@ pub use self::chords::{Chord, MAX_CHORD_KEYS};
 use arrayvec::ArrayVec;
 
 use self::chords::Chords;
-use self::debounce::Debouncer;
 use self::depth::DepthReporter;
 use self::dwell::PendingDwell;
 use self::pending::PendingPress;
 use self::velocity::VelocityReporter;
+use super::debounce::Debouncer;
 use super::target_index::TargetIndex;
 use super::{Capabilities, DeviceInput, DeviceOutput, KeyAction, PressSource, VirtualDevice};
 use crate::contact::{MAX_TOUCHES, Phase, Press, TargetId, Touch};

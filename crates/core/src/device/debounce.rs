@@ -1,11 +1,11 @@
-//! Debouncing of keys.
+//! Debouncing of keys and switches.
 
 use std::time::Duration;
 
-use crate::device::PressSource;
+use super::PressSource;
 use crate::time::Timestamp;
 
-/// The last releases of the keys, by the index of their bindings.
+/// The last releases of the keys, by their indices.
 #[derive(Clone, Debug)]
 pub(super) struct Debouncer {
     keys: Vec<Bounces>,
