@@ -436,11 +436,14 @@ mod tests {
     #[test]
     fn a_name_from_the_old_action_goes_with_it_and_one_of_its_own_stays() {
         let multitap = || Binding::multitap("Period Comma 1").unwrap();
+        let typing = |typed: &str| Binding::Text(typed.into());
         for (key, chords, binding, expected) in [
             ("code: \"Escape\"", "", multitap(), None),
-            ("code: \"Escape\"", "", Binding::Text("hi".into()), None),
+            ("code: \"Escape\"", "", typing("hi"), None),
             ("code: \"Escape\"", "", Binding::Clutch, Some("Escape")),
             ("code: \"Escape\"", "Escape B", multitap(), Some("Escape")),
+            ("code: \"Escape\"", "Escape B", typing("\""), Some("Escape")),
+            ("code: \"Escape\"", "Escape B", typing("\\"), Some("Escape")),
             (
                 "code: \"Escape\"",
                 "",

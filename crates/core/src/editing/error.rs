@@ -29,7 +29,7 @@ pub enum EditError {
     Value(String),
     /// The new name cannot be used.
     #[error(
-        "the name `{0}` cannot be used: it is empty, or another part has it; choose another one"
+        "the name `{0}` cannot be used: it is empty, another part has it, or a chord with the key cannot contain it; choose another one"
     )]
     Name(String),
     /// All axes are set by controls.

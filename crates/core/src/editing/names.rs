@@ -216,19 +216,24 @@ pub(super) fn chord_lists(draft: &Draft) -> Vec<&Node> {
     of_layout.chain(of_layers).collect()
 }
 
-/// Returns `false` if a chord mentions a key and the new name has blanks.
+/// Returns `true` if a name can be a word of a chord, which has the names of its keys in plain quotes with blanks between them.
+fn is_word_of_chord(name: &str) -> bool {
+    !name.contains(|letter: char| letter.is_whitespace() || matches!(letter, '"' | '\\'))
+}
+
+/// Returns `false` if a chord mentions a key and cannot mention the new name.
 pub(super) fn can_be_mentioned(draft: &Draft, old: &str, new: &str) -> bool {
     let mentions = mentions(draft, &BTreeSet::from([old.to_owned()]));
     let is_in_chord = |(_, mention): &(String, Mention)| matches!(mention, Mention::Chord { .. });
-    !(new.contains(char::is_whitespace) && mentions.iter().any(is_in_chord))
+    is_word_of_chord(new) || !mentions.iter().any(is_in_chord)
 }
 
-/// Replaces all mentions of a key by a new name. A name with blanks cannot be mentioned in chords.
+/// Replaces all mentions of a key by a new name. A name with blanks, quotes or backslashes cannot be mentioned in chords.
 pub(super) fn rename_mentions(draft: &mut Draft, old: &str, new: &str) -> Result<(), EditError> {
     for (_, mention) in mentions(draft, &BTreeSet::from([old.to_owned()])) {
         match mention {
             Mention::Entry { key, .. } => draft.replace(key, quote(new)),
-            Mention::Chord { .. } if new.contains(char::is_whitespace) => {
+            Mention::Chord { .. } if !is_word_of_chord(new) => {
                 return Err(EditError::Name(new.to_owned()));
             }
             Mention::Chord { word, .. } => draft.replace(word, new),
