@@ -171,6 +171,11 @@ fn bind_base(draft: &mut Draft, part: Part, binding: &Binding) -> Result<Vec<Par
     }
     let parts = take_out(draft, &[part], false)?;
     let key_part = require_key(parts[0])?;
+    if !binding.can_latch() {
+        draft.unset(key_part, "latch")?;
+        // A name that is added at the end must not be within the lines of the latch.
+        draft.commit()?;
+    }
     let is_numbered_copy = is_numbered_copy(draft, key_part, &old);
     set_action(draft, key_part, binding)?;
     let is_implied = draft.field(key_part, "name").is_none();
@@ -238,9 +243,6 @@ fn set_action(draft: &mut Draft, part: Part, binding: &Binding) -> Result<(), Ed
     match range {
         Some(range) => draft.replace(range, format!("{field}: {value}")),
         None => draft.set(part, field, &value)?,
-    }
-    if !binding.can_latch() {
-        draft.unset(part, "latch")?;
     }
     Ok(())
 }

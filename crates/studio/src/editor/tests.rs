@@ -142,6 +142,20 @@ fn a_key_stays_in_its_row_if_a_held_action_is_removed_that_it_does_not_have() {
 }
 
 #[test]
+fn a_latch_in_a_line_of_its_own_goes_with_the_action_that_has_it() {
+    let board = "    (\n        pose: (anchor: elbow),\n        keys: [\n            (\n                code: \"ShiftLeft\",\n                at_mm: (0, 0),\n                latch: Lock,\n            ),\n        ],\n    ),";
+    let bind = Edit::Bind {
+        part: key(0),
+        slot: Slot::Base,
+        binding: None,
+    };
+    let expected = board
+        .replace("code: \"ShiftLeft\"", "action: NoOp")
+        .replace("latch: Lock", "name: \"ShiftLeft\"");
+    assert_eq!(edited(board, &bind), expected);
+}
+
+#[test]
 fn deleted_keys_leave_no_mention() {
     let mut editor = shipped("chords-bend");
     editor
