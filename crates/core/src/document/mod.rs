@@ -27,6 +27,7 @@ pub use fields::{FieldType, Row, Shape, Table, json_form, json_schema, tables_of
 pub use format::{Format, first_error};
 pub use pairs::Pairs;
 pub(crate) use ranged::{format_number, ranged_numbers};
+pub(crate) use scan::reindented;
 pub use shipped::{FileKind, shipped_gloves, shipped_layouts, shipped_mesh, shipped_persons};
 pub use spanned::Spanned;
 pub use tree::{Item, Node, quote, quoted_content, read_tree};

@@ -168,6 +168,21 @@ pub(super) fn field_value<'t>(text: &'t str, name: &str) -> Option<&'t str> {
     None
 }
 
+/// Returns a text whose lines after the first one begin with `new` in place of `old`. Lines that begin otherwise stay as they are, and
+/// so do the lines of texts in quotes.
+pub(crate) fn reindented(text: &str, old: &str, new: &str) -> String {
+    let (old, new) = (format!("\n{old}"), format!("\n{new}"));
+    let mut result = String::with_capacity(text.len());
+    let mut end = 0;
+    for token in tokens(text).filter(|token| token.kind == TokenKind::Quoted) {
+        result.push_str(&text[end..token.range.start].replace(&old, &new));
+        result.push_str(&text[token.range.clone()]);
+        end = token.range.end;
+    }
+    result.push_str(&text[end..].replace(&old, &new));
+    result
+}
+
 /// Returns the first bracket that is not closed, or is closed by one of another kind, and that other bracket.
 pub(super) fn unbalanced(text: &str) -> Option<(Token, Option<Token>)> {
     let mut open: Vec<Token> = Vec::new();

@@ -7,6 +7,7 @@ use super::duplicate::{Names, check_bent, copied_board, copy};
 use super::error::EditError;
 use super::geometry::without_children;
 use super::part::Part;
+use crate::document::reindented;
 
 /// Creates the part with an index in its list.
 type PartAt = fn(usize) -> Part;
@@ -60,7 +61,7 @@ pub(super) fn lists(
         ("spaces", spaces),
     ];
     let filled = lists.into_iter().filter(|(_, texts)| !texts.is_empty());
-    let indented = |text: String| text.replace('\n', "\n        ");
+    let indented = |text: String| reindented(&text, "", "        ");
     let filled = filled.map(|(list, texts)| (list, texts.into_iter().map(indented).collect()));
     Ok(filled.collect())
 }

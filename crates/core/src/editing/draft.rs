@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::error::EditError;
 use super::part::{ControlKind, Part};
 use super::patch::Patch;
-use crate::document::{Item, Node, read_tree};
+use crate::document::{Item, Node, read_tree, reindented};
 
 /// The outcome of an edit.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +57,7 @@ impl Draft {
     /// Returns the text of a value without the indentation that its lines share, as [`push`](Self::push) adds it.
     pub fn text_of(&self, node: &Node) -> String {
         let indent = indent_of_line(&self.text, node.range.start);
-        node.text(&self.text).replace(&format!("\n{indent}"), "\n")
+        reindented(node.text(&self.text), &indent, "")
     }
 
     /// Returns the value of a field, `pose.tilt_deg`, if it is written.
@@ -310,7 +310,7 @@ fn lines(values: &[String], indent: &str) -> String {
 
 /// Returns a value with all lines except the first one indented.
 fn indented(value: &str, indent: &str) -> String {
-    value.replace('\n', &format!("\n{indent}"))
+    reindented(value, "", indent)
 }
 
 /// Returns `true` if the line of a list begins with its field.
@@ -431,6 +431,21 @@ mod tests {
         assert_eq!(
             draft.finish(Vec::new()).unwrap().text,
             "(\n    boards: [\n        (\n            a: 1,\n        ),\n    ],\n    spaces: [(targets: [5])],\n)"
+        );
+    }
+
+    #[test]
+    fn the_lines_of_a_text_in_quotes_are_the_same_in_a_copy() {
+        let text =
+            "(\n    boards: [\n        (\n            a: \"x\n        y\",\n        ),\n    ],\n)";
+        let mut draft = Draft::new(text).unwrap();
+        let copy = draft.text_of(draft.node(Part::Board(0)).unwrap());
+        assert_eq!(copy, "(\n    a: \"x\n        y\",\n)");
+        draft.push(Part::Layout, "boards", &[copy]).unwrap();
+        let board = "        (\n            a: \"x\n        y\",\n        ),\n";
+        assert_eq!(
+            draft.finish(Vec::new()).unwrap().text,
+            text.replace(board, &board.repeat(2))
         );
     }
 
