@@ -28,6 +28,7 @@ pub(super) fn delete(draft: &mut Draft, parts: &[Part]) -> Result<Vec<Part>, Edi
                 rows.entry((board, row)).or_default().insert(column);
             }
             _ => {
+                forget_initial(draft, part)?;
                 let (parent, list, index) = part.place().ok_or(EditError::NoPart("part"))?;
                 draft.node(part)?;
                 let list = draft.field(parent, list).ok_or(EditError::NoPart("part"))?;
@@ -55,6 +56,21 @@ fn whole_groups(draft: &Draft, parts: &[Part]) -> Vec<Part> {
         own.count() == draft.count(*group, "options")
     };
     groups.into_iter().filter(is_whole).collect()
+}
+
+/// Removes `initial` from a radio group if it names the option that is deleted. An option that does not exist would be an error.
+fn forget_initial(draft: &mut Draft, part: Part) -> Result<(), EditError> {
+    let Part::RadioOption { .. } = part else {
+        return Ok(());
+    };
+    let group = part.parent().ok_or(EditError::NoPart("radio option"))?;
+    let own = name_of(draft.text(), draft.tree(), part);
+    let initial = draft.field(group, "initial");
+    let is_initial = initial.is_some_and(|it| it.string(draft.text()) == own.as_deref());
+    if own.is_some() && is_initial {
+        draft.unset(group, "initial")?;
+    }
+    Ok(())
 }
 
 /// Returns the names of the keys among targets.
@@ -157,5 +173,27 @@ mod tests {
         assert!(without.contains("code: \"A\""), "{without}");
         let one = left(&options[1..]);
         assert!(one.contains("\"one\"") && !one.contains("\"two\""), "{one}");
+    }
+
+    #[test]
+    fn a_radio_group_whose_initial_option_is_deleted_has_none() {
+        let text = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), radios: [(name: \"R\", initial: \"two\", options: [
+            (name: \"one\", at_mm: (0, 0)),
+            (name: \"two\", at_mm: (40, 0)),
+            (name: \"three\", at_mm: (80, 0)),
+        ])])])";
+        for (option, deleted) in [(0, "one"), (1, "two")] {
+            let part = Part::RadioOption {
+                board: 0,
+                radio: 0,
+                option,
+            };
+            let mut draft = Draft::new(text).unwrap();
+            delete(&mut draft, &[part]).unwrap();
+            let after = draft.text();
+            Layout::parse(after, "a.ron").unwrap_or_else(|error| panic!("{error}"));
+            assert!(!after.contains(&format!("name: \"{deleted}\"")), "{after}");
+            assert_eq!(after.contains("initial: \"two\""), option == 0, "{after}");
+        }
     }
 }

@@ -149,7 +149,8 @@ pub enum Edit {
         /// Offset of the copies, to the right and away from the wearer.
         by_mm: [f64; 2],
     },
-    /// Deletes parts, with their signals. With a key, also its label, its entries in layers, and the chords that it takes part in.
+    /// Deletes parts, with their signals. With a key, also its label, its entries in layers, and the chords that it takes part in. A radio
+    /// group without its `initial` option has none.
     Delete {
         /// Any parts but the layout.
         parts: Vec<Part>,
