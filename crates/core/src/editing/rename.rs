@@ -35,7 +35,10 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
     if old.as_deref() == Some(name) {
         return Ok(vec![part]);
     }
-    let is_taken = is_target && taken(draft).contains(name);
+    let is_taken = match part {
+        Part::Layer(_) => has_layer(draft, name),
+        _ => is_target && taken(draft).contains(name),
+    };
     if name.trim().is_empty() || name.chars().any(char::is_control) || is_taken {
         return Err(EditError::Name(name.to_owned()));
     }
@@ -54,9 +57,14 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
             rename_mentions(draft, &from, &to)?;
         }
         match taken {
-            Part::Layer(_) => rename_found(draft, name, |node, text, found| {
-                collect_layers(node, text, &old, found);
-            }),
+            Part::Layer(_) => {
+                if names_a_key(draft, "Layer", &old) {
+                    rename_mentions(draft, &old, name)?;
+                }
+                rename_found(draft, name, |node, text, found| {
+                    collect_layers(node, text, &old, found);
+                });
+            }
             Part::Trigger(_) => rename_found(draft, name, |node, text, found| {
                 collect_steps(node, text, &old, found);
             }),
@@ -79,6 +87,26 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
     Ok(parts)
 }
 
+/// Returns `true` if a layer has this name.
+fn has_layer(draft: &Draft, name: &str) -> bool {
+    let mut layers = (0..draft.count(Part::Layout, "layers")).map(Part::Layer);
+    layers.any(|layer| name_of(draft.text(), draft.tree(), layer).as_deref() == Some(name))
+}
+
+/// Returns `true` if a key without a name of its own is named after the layer or sequence in its action.
+fn names_a_key(draft: &Draft, action: &str, name: &str) -> bool {
+    let text = draft.text();
+    let is_named = |target: Part| {
+        let own = draft.field(target, "action");
+        let has_action = own.is_some_and(|own| own.name(text) == Some(action))
+            || action == "Layer" && draft.field(target, "layer").is_some();
+        has_action
+            && draft.field(target, "name").is_none()
+            && name_of(text, draft.tree(), target).as_deref() == Some(name)
+    };
+    targets(text, draft.tree()).into_iter().any(is_named)
+}
+
 /// Renames a sequence in the map, in the actions that start it, and where a key without a name of its own is mentioned by it.
 fn rename_sequence(draft: &mut Draft, index: usize, name: &str) -> Result<(), EditError> {
     let key = sequence_key(draft.text(), draft.tree(), index);
@@ -89,12 +117,7 @@ fn rename_sequence(draft: &mut Draft, index: usize, name: &str) -> Result<(), Ed
     }
     let part = Part::Sequence(index);
     if let Some(old) = name_of(draft.text(), draft.tree(), part) {
-        let is_unnamed = |target: Part| {
-            name_of(draft.text(), draft.tree(), target).as_ref() == Some(&old)
-                && draft.field(target, "name").is_none()
-        };
-        let mut targets = targets(draft.text(), draft.tree()).into_iter();
-        if targets.any(is_unnamed) {
+        if names_a_key(draft, "Sequence", &old) {
             rename_mentions(draft, &old, name)?;
         }
         rename_found(draft, name, |node, text, found| {
@@ -297,6 +320,31 @@ mod tests {
             "{}",
             one.text
         );
+    }
+
+    #[test]
+    fn a_layer_does_not_get_the_name_of_another_one() {
+        let text = r#"Layout(
+    name: "A",
+    boards: [(pose: (anchor: elbow), keys: [
+        (layer: "x", at_mm: (0, 0)),
+        (layer: "y", at_mm: (40, 0)),
+    ])],
+    labels: {"x": "Symbols"},
+    layers: [(name: "x", keys: {}), (name: "y", keys: {})],
+)"#;
+        let renamed = |name: &str| {
+            let rename = Edit::Rename {
+                part: Part::Layer(0),
+                name: name.into(),
+            };
+            edit(text, &rename).map(|edited| edited.text)
+        };
+        assert_eq!(renamed("y"), Err(EditError::Name("y".into())));
+        // The key without a name of its own has that of its layer, by which its label mentions it.
+        let expected = text.replace("\"x\"", "\"z\"");
+        Layout::parse(&expected, "a.ron").expect("a label of a key");
+        assert_eq!(renamed("z"), Ok(expected));
     }
 
     #[test]
