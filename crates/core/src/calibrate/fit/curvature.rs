@@ -95,8 +95,13 @@ pub(super) fn over_full_scale(curvature: f64, (low, high): (f64, f64), full_scal
     let span = high - low;
     // The parabola has one second derivative everywhere; `rest` is the part of the full scale that is not in the range.
     let rest = full_scale - low - high;
-    let bend = 4.0 * curvature / (span + 4.0 * curvature * rest);
     let limit = crate::estimate::MAX_CURVATURE * full_scale;
+    let divisor = span + 4.0 * curvature * rest;
+    if divisor <= 0.0 {
+        // No parabola that rises bends a small range near an end of the full scale that far.
+        return limit.copysign(curvature);
+    }
+    let bend = 4.0 * curvature / divisor;
     (bend * full_scale * full_scale / 4.0).clamp(-limit, limit)
 }
 

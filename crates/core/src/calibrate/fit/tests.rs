@@ -136,6 +136,16 @@ fn a_sensor_whose_poses_are_skipped_keeps_its_curvature() {
 }
 
 #[test]
+fn a_small_range_near_an_end_is_bent_to_the_side_of_its_curvature() {
+    let wide = curvature::over_full_scale(0.055, (60.0, 200.0), 255.0);
+    assert!((0.1..51.0).contains(&wide), "{wide}");
+    for (range, fraction) in [((200.0, 230.0), 0.055), ((25.0, 55.0), -0.055)] {
+        let counts = curvature::over_full_scale(fraction, range, 255.0);
+        assert_eq!(counts, 51_f64.copysign(fraction), "{range:?}");
+    }
+}
+
+#[test]
 fn without_the_flat_hand_there_is_no_calibration() {
     let observations = observe(&[CalibrationPose::Rest, CalibrationPose::Fist], exact);
     let error = fit(&observations, &shipped()).unwrap_err();
