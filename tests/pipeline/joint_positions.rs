@@ -414,7 +414,7 @@ fn supination_of_markers(side: Side, degrees: f64) -> f64 {
 #[test]
 fn the_markers_at_the_sides_of_the_wrist_show_the_turn_of_the_forearm() {
     for side in [Side::Right, Side::Left] {
-        for degrees in [0.0, 30.0, 88.0, 150.0] {
+        for degrees in [0.0, 30.0, 88.0, 150.0, 185.0] {
             let found = supination_of_markers(side, degrees);
             assert!((found - degrees).abs() < 1e-6, "{side} {degrees}: {found}");
         }

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use glam::{DQuat, DVec3};
 
-use super::hand_angles::{hand_angles, sign};
+use super::hand_angles::{as_supination, hand_angles, sign};
 use crate::hand::{ArmBone, ArmRotations, Dof, Finger, Joint, JointAngles, JointPositions, Side};
 
 /// The angle by which the thumb points off the other fingers in the T pose, in radians.
@@ -122,7 +122,7 @@ impl<'a> Arm<'a> {
             .upward(forearm)
             .unwrap_or_else(|| self.bend_side(forearm));
         let supination = sign(self.side) * palm_side.dot(back.cross(forearm));
-        supination.atan2(-palm_side.dot(back))
+        as_supination(supination.atan2(-palm_side.dot(back)))
     }
 
     /// Returns the upper side of the forearm in the frame of the upper arm, if the rotation of that in the world is known and
@@ -285,7 +285,13 @@ mod tests {
         for &side in Side::ALL {
             let sign = sign(side) as f32;
             // In the T pose, the palm is down; an elbow that bends forward keeps it there.
-            for (turn, expected) in [(0.0, 0.0), (quarter, 90.0), (-0.5 * quarter, -45.0)] {
+            // Beyond 180, the palm that is up turns on.
+            for (turn, expected) in [
+                (0.0, 0.0),
+                (quarter, 90.0),
+                (-0.5 * quarter, -45.0),
+                (2.1 * quarter, 189.0),
+            ] {
                 let mut bones = ArmRotations::default();
                 let roll = glam::Quat::from_rotation_x(turn);
                 let bend = glam::Quat::from_rotation_y(sign * quarter);

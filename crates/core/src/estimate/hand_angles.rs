@@ -1,5 +1,7 @@
 //! Joint angles from the positions of joints.
 
+use std::f64::consts::{FRAC_PI_2, TAU};
+
 use glam::DVec3;
 
 use crate::hand::{Dof, Finger, Joint, JointAngles, JointPositions, Side};
@@ -177,7 +179,18 @@ fn set_supination(
     // From facing away from the bend, over the thumb side up, to facing it.
     let away = -palm_side.dot(bend_side);
     let supination = sign * palm_side.dot(across);
-    angles.set(Dof::ForearmSupination, supination.atan2(away));
+    let radians = as_supination(supination.atan2(away));
+    angles.set(Dof::ForearmSupination, radians);
+}
+
+/// Returns an angle of −π to π around the middle of the range of a forearm, from −π/2 to 3π/2: beyond a palm that faces up, a forearm is
+/// at the upper end of its range.
+pub(super) fn as_supination(radians: f64) -> f64 {
+    if radians < -FRAC_PI_2 {
+        radians + TAU
+    } else {
+        radians
+    }
 }
 
 /// Sets the angles of a finger: abduction about the palm's Y and flexion of the first bone, then the flexion of the hinge joints.
