@@ -158,21 +158,29 @@ impl HandParser {
         }
     }
 
-    /// Returns the hands of an image, by side.
+    /// Returns the hands of an image, by side. One that shows no hand, as with a wrong label where hands cross, is an error only without
+    /// another one that does.
     pub(super) fn best_hands(
         &self,
         hands: &[Hand],
         image_size: Option<[f64; 2]>,
     ) -> Result<BestHands, PacketError> {
         let mut best = BestHands::new(self.min_score);
+        let mut refused = None;
         for hand in hands {
             check_score(hand.score)?;
             let side = self.side(hand);
             if best.admits(side, hand.score) {
-                best.add(side, hand.score, self.positions(hand, image_size)?);
+                match self.positions(hand, image_size) {
+                    Ok(positions) => best.add(side, hand.score, positions),
+                    Err(error) => refused = refused.or(Some(error)),
+                }
             }
         }
-        Ok(best)
+        match refused {
+            Some(error) if best.hands().iter().all(Option::is_none) => Err(error),
+            _ => Ok(best),
+        }
     }
 
     fn side(&self, hand: &Hand) -> Side {

@@ -164,6 +164,26 @@ fn a_wrong_label_is_refused_with_options_that_are_not_set_yet() {
 }
 
 #[test]
+fn a_hand_with_a_wrong_label_does_not_hide_the_other_one() {
+    let (right, left) = (right_hand(), mirrored(&right_hand()));
+    for hands in [
+        [(Side::Right, right), (Side::Right, left)],
+        [(Side::Right, left), (Side::Right, right)],
+        [(Side::Right, right), (Side::Left, right)],
+    ] {
+        let line = encode(None, &hands);
+        // The wrong one may be the more certain one.
+        let less_certain = line.replacen("\"score\":1.0", "\"score\":0.9", 1);
+        for image in [line, less_certain] {
+            let (packets, invalid) = decode(&[HEAD], &[image]);
+            assert_eq!((packets.len(), invalid.total()), (1, 0), "{hands:?}");
+            assert_eq!(packets[0].side, Some(Side::Right));
+            assert_close(&joints(&packets[0]), &right);
+        }
+    }
+}
+
+#[test]
 fn a_hand_below_the_score_or_out_of_view_has_no_joints() {
     let seen = encode(None, &[(Side::Right, right_hand())]);
     let unsure = seen.replace("\"score\":1.0", "\"score\":0.49");
