@@ -24,8 +24,10 @@ pub enum EditError {
     /// A field is not a number or lacks its parentheses.
     #[error("the field `{0}` has no value that can be edited here; correct it in the text")]
     Field(String),
-    /// The new value is no RON text.
-    #[error("`{0}` is not a value: close its brackets and quotes")]
+    /// The new value is no RON text, or has a comment around it.
+    #[error(
+        "`{0}` is not a value: close its brackets and quotes, and leave out comments around it"
+    )]
     Value(String),
     /// The new name cannot be used.
     #[error(

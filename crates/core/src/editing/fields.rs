@@ -204,8 +204,11 @@ pub(super) fn set_field(
     name: &str,
     value: Option<&str>,
 ) -> Result<Vec<Part>, EditError> {
+    // A comment after the value would hide what follows it in its line.
+    let is_only_value =
+        |text: &str| read_tree(text).is_some_and(|node| node.text(text) == text.trim());
     if let Some(value) = value
-        && read_tree(value).is_none()
+        && !is_only_value(value)
     {
         return Err(EditError::Value(value.to_owned()));
     }
@@ -309,5 +312,27 @@ mod tests {
             Layout::parse(&edited.text, "a.ron").unwrap_or_else(|error| panic!("{error}"));
         }
         assert_eq!(field("keys"), None, "keys are parts of their own");
+    }
+
+    #[test]
+    fn a_value_with_a_comment_around_it_is_refused() {
+        let set = |value: &str| {
+            let key = Part::Control {
+                board: 0,
+                kind: ControlKind::Key,
+                index: 0,
+            };
+            let set = Edit::SetField {
+                parts: vec![key],
+                field: "code".to_owned(),
+                value: Some(value.to_owned()),
+            };
+            edit(BOARD, &set).map(|edited| edited.text)
+        };
+        for value in ["\"B\" // b", "\"B\" // b\n", "/* b */ \"B\"", "\"B", ""] {
+            let error = set(value).unwrap_err();
+            assert!(matches!(error, EditError::Value(_)), "{value}: {error}");
+        }
+        assert!(set(" \"B // b\" ").unwrap().contains("\"B // b\""));
     }
 }
