@@ -7,6 +7,7 @@ use mcap::records::op;
 pub(super) fn are_within_record(opcode: u8, record: &[u8]) -> bool {
     match opcode {
         op::CHANNEL => channel(record).is_some(),
+        op::CHUNK => chunk(record).is_some(),
         op::METADATA => metadata(record).is_some(),
         _ => true,
     }
@@ -18,6 +19,13 @@ fn channel(record: &[u8]) -> Option<()> {
     text(&mut rest)?;
     text(&mut rest)?;
     pairs(&mut rest)
+}
+
+/// Chunk: two times, its size and its checksum, name of the compression, records.
+fn chunk(record: &[u8]) -> Option<()> {
+    let (_, mut rest) = record.split_first_chunk::<28>()?;
+    text(&mut rest)?;
+    Some(())
 }
 
 /// Metadata: name, pairs of texts.
@@ -76,6 +84,10 @@ mod tests {
                 assert!(!are_within_record(opcode, &wrong), "at {offset}");
             }
         }
+        let mut packed = [&[0_u8; 28][..], &with_length(b"lz4"), &[0; 8]].concat();
+        assert!(are_within_record(op::CHUNK, &packed));
+        packed[28..32].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert!(!are_within_record(op::CHUNK, &packed));
         assert!(
             are_within_record(op::MESSAGE, &[0xff; 8]),
             "a message has no texts"
