@@ -155,6 +155,10 @@ impl Client {
                 Received::Nothing => return Ok(None),
                 Received::Reply(bytes) => {
                     self.outbox.push(Chunk { bytes, lines: 0 });
+                    if matches!(self.conversation, Conversation::Closing) {
+                        // No line may follow the last reply.
+                        self.subscription = None;
+                    }
                 }
                 Received::Request(request) => match Subscription::parse(&request) {
                     Ok(subscription) => {
@@ -259,6 +263,30 @@ mod tests {
                 "{answer}"
             );
         }
+    }
+
+    #[test]
+    fn a_client_that_closes_its_web_socket_gets_the_answer_and_no_line_after_it() {
+        let stream = MemoryStream::new(usize::MAX);
+        let mut client = client("ws", &stream);
+        let layout = Layout::load("numpad").unwrap();
+        let mut encoder = LineEncoder::new(Side::Right, layout.into());
+        stream.send(
+            b"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+              Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n",
+        );
+        assert!(client.receive().is_ok());
+        assert!(client.flush().is_ok());
+        stream.take_received();
+        // A request for the layout, and the frame that closes with the code 1000.
+        let request = b"{\"kinds\":[\"layout\"]}";
+        stream.send(&[0x81, 0x80 | request.len() as u8, 0, 0, 0, 0]);
+        stream.send(request);
+        stream.send(&[0x88, 0x82, 0, 0, 0, 0, 0x03, 0xe8]);
+        assert!(client.receive().is_ok());
+        client.catch_up(&mut encoder);
+        assert!(client.flush().is_err(), "the connection ends");
+        assert_eq!(stream.take_received(), [0x88, 0x02, 0x03, 0xe8]);
     }
 
     #[test]

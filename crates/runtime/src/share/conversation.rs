@@ -20,7 +20,7 @@ pub(super) enum Conversation {
     Head(Box<Head>),
     /// The client sends requests as messages of a WebSocket.
     Socket(Box<SocketReader>, RateLimit),
-    /// The client is disconnected once it has read the last line.
+    /// The client is disconnected once it has read the last line or reply.
     Closing,
 }
 
@@ -69,7 +69,13 @@ impl Conversation {
                 }
                 Err(_) => Received::Gone,
             },
-            Self::Socket(reader, limit) => limited(reader.receive(stream), limit),
+            Self::Socket(reader, limit) => {
+                let received = limited(reader.receive(stream), limit);
+                if reader.is_closed() {
+                    *self = Self::Closing;
+                }
+                received
+            }
             // The rest is read, or closing the connection would take the last line back. It is written even if the client
             // has closed its half of the connection.
             Self::Closing => match read(stream, &mut [0; 4096]) {

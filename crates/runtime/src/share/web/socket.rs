@@ -16,6 +16,7 @@ const READ_BYTES: usize = 4096;
 pub(in crate::share) struct SocketReader {
     context: WebSocketContext,
     limit: FrameLimit,
+    is_closed: bool,
 }
 
 impl SocketReader {
@@ -30,7 +31,13 @@ impl SocketReader {
         Self {
             context: WebSocketContext::from_partially_read(rest, Role::Server, Some(config)),
             limit,
+            is_closed: false,
         }
+    }
+
+    /// Returns `true` once the client has closed the WebSocket. The latest reply is the answer to it.
+    pub fn is_closed(&self) -> bool {
+        self.is_closed
     }
 
     /// Receives a message. The replies of the protocol itself are bytes to send.
@@ -47,6 +54,7 @@ impl SocketReader {
         if let Some(reason) = self.limit.exceeded() {
             return Received::Refused(reason.to_owned());
         }
+        self.is_closed |= matches!(message, Ok(Message::Close(_)));
         match message {
             Ok(Message::Text(text)) => Received::Request(text.as_bytes().to_vec()),
             Ok(Message::Binary(_)) => Received::Refused("a request is a text message".into()),
