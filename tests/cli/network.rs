@@ -2,7 +2,7 @@
 
 use std::fs::{self, Permissions};
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{IpAddr, UdpSocket};
+use std::net::{IpAddr, TcpListener, UdpSocket};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -316,6 +316,46 @@ fn a_source_has_no_more_than_the_role_of_its_token() {
         on_the_command_line.contains("revoke it"),
         "{on_the_command_line}"
     );
+}
+
+#[test]
+fn doctor_states_the_role_of_the_token_of_a_source_and_finds_one_that_a_run_refuses() {
+    let machine = Machine::new();
+    let server = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let address = server.local_addr().expect("it is bound");
+    let check = |file: &Path, role: &str| {
+        let source = format!(
+            "tcp+tls:{address}?protocol=text-line&token_file={}",
+            file.display()
+        );
+        let mut arguments = vec!["doctor", "--source", &source];
+        arguments.extend(role.split_whitespace());
+        let output = machine.run(&arguments);
+        let printed = text(&output.stdout);
+        let words: Vec<&str> = printed.split_whitespace().collect();
+        (output.status.success(), words.join(" "))
+    };
+    let see = machine.token("screen", "see");
+    let point = machine.token("mouse", "point");
+    let typing = machine.token("desk", "type");
+    for (file, role, points) in [
+        (&point, "", true),
+        (&typing, "", false),
+        (&typing, "--role pointer", true),
+        (&see, "--role pointer", true),
+    ] {
+        let (is_ok, printed) = check(file, role);
+        assert!(is_ok, "{printed}");
+        assert_eq!(printed.contains("only a pointer"), points, "{printed}");
+    }
+    for (file, reason) in [
+        (&*see, "only permits to see"),
+        (Path::new("nope.token"), "there is no token file"),
+    ] {
+        let (is_ok, printed) = check(file, "");
+        assert!(!is_ok, "{printed}");
+        assert!(printed.contains(reason), "{reason}: {printed}");
+    }
 }
 
 #[test]

@@ -23,11 +23,13 @@ pub fn check_source(setup: &LoadedSetup, source: &NamedSource) -> Option<Finding
         commands: Vec::new(),
         next_step: String::new(),
     };
-    let probed = match uri {
-        SourceUri::Stream(_) => uri.probe(),
+    let role = source.role_with_token();
+    let probed = match (uri, &role) {
+        (_, Err(error)) => Some(Err(reason(error))),
+        (SourceUri::Stream(_), _) => uri.probe(),
         _ => {
             let opened = setup.open_source_alone(uri).map(drop);
-            Some(opened.map_err(reason))
+            Some(opened.map_err(|error| reason(&error)))
         }
     };
     match probed {
@@ -50,7 +52,7 @@ pub fn check_source(setup: &LoadedSetup, source: &NamedSource) -> Option<Finding
     if let Some(protocol) = uri.protocol() {
         finding.text += &format!(": {}", protocol.summary);
     }
-    if uri.is_remote() && source.permissions.role == SourceRole::Pointer {
+    if uri.is_remote() && role.is_ok_and(|role| role == SourceRole::Pointer) {
         finding.text += "; it is on the network and only a pointer";
         finding.next_step = format!("it presses no keys: {} lets it type", source.remedy);
     }
@@ -58,11 +60,11 @@ pub fn check_source(setup: &LoadedSetup, source: &NamedSource) -> Option<Finding
 }
 
 /// Returns the first line of the reason why a source cannot be opened.
-fn reason(error: SetupError) -> String {
+fn reason(error: &SetupError) -> String {
     let text = match error {
         SetupError::Capture(
             CaptureError::Open { reason, .. } | CaptureError::Malformed { reason, .. },
-        ) => reason,
+        ) => reason.clone(),
         other => other.to_string(),
     };
     text.lines().next().unwrap_or_default().to_owned()

@@ -14,6 +14,7 @@ mod schema;
 mod simulated;
 mod sources;
 mod text;
+mod token_roles;
 mod wearer;
 mod without_devices;
 

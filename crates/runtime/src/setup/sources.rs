@@ -11,7 +11,7 @@ use crate::capture::{
     StreamUri,
 };
 use crate::files::OpenDocument;
-use crate::network::{self, TokenRole, tokens};
+use crate::network;
 use crate::sim::resolve_script;
 use ademan_core::document::{Document, FileKind};
 use ademan_core::hand::{HandPart, Side};
@@ -25,6 +25,8 @@ pub struct NamedSource<'a> {
     pub uri: Option<&'a SourceUri>,
     /// Its own permissions. A hand has the permissions that all of its sources have.
     pub permissions: SourcePermissions,
+    /// `true` if the setup states its role.
+    pub has_own_role: bool,
     /// The field of the setup, and the flag, that let it press keys.
     pub remedy: &'static str,
 }
@@ -56,18 +58,6 @@ struct OpenedPart<'a> {
 }
 
 impl Setup {
-    /// Gives each source without a role the role of its token. Reads the token files, which only the setup of the person who runs
-    /// the program may name.
-    pub fn use_token_roles(&mut self) -> Result<(), SetupError> {
-        use_token_role(&self.source, &mut self.role)?;
-        use_token_role(&self.arm_source, &mut self.arm_role)?;
-        if let Some(other) = &mut self.other_hand {
-            use_token_role(&other.source, &mut other.role)?;
-            use_token_role(&other.arm_source, &mut other.arm_role)?;
-        }
-        Ok(())
-    }
-
     /// Makes the relative paths of recordings, files of bytes, scripts, tokens, and pages for headsets start in `folder`.
     pub(super) fn start_sources_in(&mut self, folder: &Path) {
         let other = self.other_hand.as_mut();
@@ -110,30 +100,6 @@ fn start_stream_in(folder: &Path, stream: &mut StreamUri) {
     }
 }
 
-fn use_token_role(
-    source: &Option<SourceUri>,
-    role: &mut Option<SourceRole>,
-) -> Result<(), SetupError> {
-    let file = source.as_ref().and_then(SourceUri::token_file);
-    if let (Some(file), None) = (file, &role) {
-        let granted = network::token_path(file).and_then(|path| tokens::role_of_file(&path));
-        *role = Some(
-            match granted.map_err(|error| SetupError::Value(error.to_string()))? {
-                TokenRole::See => {
-                    return Err(SetupError::Value(format!(
-                        "the token in {} only permits to see, so its source may cause nothing; use a token with the role `point` or \
-                     `type`, or state a role: `--role pointer`",
-                        escape(file)
-                    )));
-                }
-                TokenRole::Point => SourceRole::Pointer,
-                TokenRole::Type => SourceRole::Both,
-            },
-        );
-    }
-    Ok(())
-}
-
 /// The packet period of a recording, on which the stall timeout depends.
 #[derive(Clone, Copy)]
 enum PacketPeriod {
@@ -145,9 +111,10 @@ impl LoadedSetup {
     /// Returns all sources, at most four: the first source, the source of its arm, and the two sources of the other hand.
     pub fn named_sources(&self) -> impl Iterator<Item = NamedSource<'_>> {
         let setup = &self.setup;
-        let named = |uri, role, remedy| NamedSource {
+        let named = |uri, role: Option<SourceRole>, remedy| NamedSource {
             uri,
             permissions: setup.permissions(uri, role),
+            has_own_role: role.is_some(),
             remedy,
         };
         let first = named(
