@@ -131,6 +131,23 @@ fn an_export_that_fills_the_disk_names_its_file_which_opens() {
 }
 
 #[test]
+fn a_cut_file_is_refused_with_and_without_a_line_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hand.bvh");
+    run(["export", text(&path), "--source", "typist:hi"]).done();
+    let whole = std::fs::read_to_string(&path).unwrap();
+    let (head, _) = whole.trim_end().rsplit_once('\n').unwrap();
+    for (name, end) in [("line.bvh", "\n"), ("number.bvh", "")] {
+        let cut = file(&folder, name, &format!("{head}{end}"));
+        let source = format!("file:{cut}?protocol=bvh");
+        let ended = run(["trace", "readings", "--source", &source]);
+        assert_eq!(ended.code, Some(3), "{name}: {}", ended.err);
+        let reason = "the text ends after";
+        assert!(ended.err.contains(reason), "{name}: {}", ended.err);
+    }
+}
+
+#[test]
 fn a_damaged_file_is_refused_with_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(

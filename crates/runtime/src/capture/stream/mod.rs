@@ -288,10 +288,11 @@ impl<C: Connector> StreamSource<C> {
         } else {
             self.decoder.finish(&mut emit)
         }
+        self.format_error = self.decoder.take_error();
         if let Some(reading) = self.pending.pop() {
             return Ok(reading);
         }
-        match self.decoder.take_error() {
+        match self.format_error.take() {
             Some(reason) => Err(self.fail_to_decode(reason)),
             None => {
                 self.warn_if_nothing_was_valid();
