@@ -55,7 +55,8 @@ pub fn list(folder: &Path) -> Result<Vec<TokenEntry>, NetworkError> {
     Ok(TokenList::read(folder)?.entries().cloned().collect())
 }
 
-/// Removes a token, and its file if that is still in `folder`. A running server disconnects its clients within a second.
+/// Removes a token, and its file if that is still in `folder`; a file with this name and the token of another machine stays. A running
+/// server disconnects its clients within a second.
 pub fn revoke(folder: &Path, name: &str) -> Result<(), NetworkError> {
     check_name(name)?;
     let unknown = || {
@@ -68,13 +69,20 @@ pub fn revoke(folder: &Path, name: &str) -> Result<(), NetworkError> {
     }
     let lock = FolderLock::acquire(folder)?;
     let mut list = TokenList::read(folder)?;
+    let path = token_file::path_of(folder, name);
+    let is_foreign = TokenFile::read(&path).is_ok_and(|file| {
+        let listed = list.find(&file.token.hash());
+        listed.is_none_or(|token| token.entry.name != name)
+    });
     if !list.remove(name) {
         return Err(unknown());
     }
     list.write(&lock).map_err(|error| {
         NetworkError::Token(format!("{error}; the token `{name}` is still valid"))
     })?;
-    let path = token_file::path_of(folder, name);
+    if is_foreign {
+        return Ok(());
+    }
     match fs::remove_file(&path) {
         Err(error) if error.kind() != ErrorKind::NotFound => {
             Err(file_error("remove", &path, error))

@@ -104,6 +104,18 @@ fn a_token_file_of_another_machine_is_not_replaced() {
 }
 
 #[test]
+fn revoking_a_token_removes_no_file_of_another_machine() {
+    let parent = tempfile::tempdir().unwrap();
+    let (own, other) = (parent.path().join("own"), parent.path().join("other"));
+    let path = create(&own, "desk", TokenRole::See).unwrap();
+    let foreign = create(&other, "desk", TokenRole::Type).unwrap();
+    fs::rename(&foreign, &path).unwrap();
+    revoke(&own, "desk").unwrap();
+    assert!(list(&own).unwrap().is_empty());
+    assert_eq!(role_of_file(&path).unwrap(), TokenRole::Type);
+}
+
+#[test]
 fn names_that_lead_out_of_the_folder_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["", "../desk", "a b", "a\n", ".", "é", &"a".repeat(33)] {
