@@ -88,6 +88,7 @@ fn a_request_that_is_wrong_too_long_or_one_too_many_ends_the_connection_with_the
         ),
         ("[".repeat(3000) + "\n", "not a request"),
         ("x".repeat(5000), "at most 4096 bytes"),
+        ("x".repeat(5000) + "\n", "at most 4096 bytes"),
         (good.repeat(11), "more than 10 requests"),
     ] {
         let objects: Vec<Value> = ask(&address, &request).collect();

@@ -229,6 +229,7 @@ mod tests {
     use super::*;
     use crate::files::Load;
     use crate::network::MemoryStream;
+    use crate::share::request::MAX_REQUEST_BYTES;
     use ademan_core::hand::Side;
     use ademan_core::layout::Layout;
 
@@ -265,19 +266,25 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_client_that_closes_its_web_socket_gets_the_answer_and_no_line_after_it() {
-        let stream = MemoryStream::new(usize::MAX);
-        let mut client = client("ws", &stream);
-        let layout = Layout::load("numpad").unwrap();
-        let mut encoder = LineEncoder::new(Side::Right, layout.into());
+    /// Returns a client whose connection is a WebSocket.
+    fn web_socket(stream: &MemoryStream) -> Client {
+        let mut client = client("ws", stream);
         stream.send(
             b"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
               Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n",
         );
         assert!(client.receive().is_ok());
         assert!(client.flush().is_ok());
-        stream.take_received();
+        assert!(stream.take_received().starts_with(b"HTTP/1.1 101 "));
+        client
+    }
+
+    #[test]
+    fn a_client_that_closes_its_web_socket_gets_the_answer_and_no_line_after_it() {
+        let stream = MemoryStream::new(usize::MAX);
+        let mut client = web_socket(&stream);
+        let layout = Layout::load("numpad").unwrap();
+        let mut encoder = LineEncoder::new(Side::Right, layout.into());
         // A request for the layout, and the frame that closes with the code 1000.
         let request = b"{\"kinds\":[\"layout\"]}";
         stream.send(&[0x81, 0x80 | request.len() as u8, 0, 0, 0, 0]);
@@ -287,6 +294,21 @@ mod tests {
         client.catch_up(&mut encoder);
         assert!(client.flush().is_err(), "the connection ends");
         assert_eq!(stream.take_received(), [0x88, 0x02, 0x03, 0xe8]);
+    }
+
+    #[test]
+    fn a_message_that_is_too_long_is_refused_with_the_reason() {
+        let stream = MemoryStream::new(usize::MAX);
+        let mut client = web_socket(&stream);
+        let length = MAX_REQUEST_BYTES + 1;
+        let [high, low] = (length as u16).to_be_bytes();
+        stream.send(&[0x81, 0x80 | 126, high, low, 0, 0, 0, 0]);
+        stream.send(" ".repeat(length).as_bytes());
+        assert!(client.receive().is_ok());
+        assert!(client.flush().is_err(), "the connection ends");
+        let answer = stream.take_received();
+        let answer = String::from_utf8_lossy(&answer);
+        assert!(answer.contains("at most 4096 bytes"), "{answer}");
     }
 
     #[test]

@@ -14,6 +14,11 @@ use ademan_core::time::Timestamp;
 /// Longest request, in bytes.
 pub(super) const MAX_REQUEST_BYTES: usize = 4096;
 
+/// Returns the reason why a longer request is refused.
+pub(super) fn too_long() -> String {
+    format!("a request has at most {MAX_REQUEST_BYTES} bytes")
+}
+
 /// Most requests of a client in a second.
 pub(super) const MAX_REQUESTS_PER_SECOND: u32 = 10;
 

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use super::request::MAX_REQUEST_BYTES;
+use super::request::{MAX_REQUEST_BYTES, too_long};
 use super::stream::{Input, Received, read};
 
 /// The bytes of requests that were not handled yet.
@@ -16,14 +16,14 @@ impl RequestLines {
     pub fn receive(&mut self, stream: &mut dyn Read) -> Received {
         let mut buffer = [0; MAX_REQUEST_BYTES];
         loop {
-            if let Some(end) = self.bytes.iter().position(|&byte| byte == b'\n') {
+            let end = self.bytes.iter().position(|&byte| byte == b'\n');
+            if end.unwrap_or(self.bytes.len()) > MAX_REQUEST_BYTES {
+                return Received::Refused(too_long());
+            }
+            if let Some(end) = end {
                 let rest = self.bytes.split_off(end + 1);
                 let request = std::mem::replace(&mut self.bytes, rest);
                 return Received::Request(request);
-            }
-            if self.bytes.len() > MAX_REQUEST_BYTES {
-                let reason = format!("a request has at most {MAX_REQUEST_BYTES} bytes");
-                return Received::Refused(reason);
             }
             match read(stream, &mut buffer) {
                 Input::Nothing => return Received::Nothing,

@@ -6,7 +6,7 @@ use tungstenite::Message;
 use tungstenite::protocol::{Role, WebSocketConfig, WebSocketContext};
 
 use super::frame_limit::FrameLimit;
-use crate::share::request::MAX_REQUEST_BYTES;
+use crate::share::request::{MAX_REQUEST_BYTES, too_long};
 use crate::share::stream::{Received, is_temporary};
 
 /// Bytes of one read. Each client has a buffer for them.
@@ -60,6 +60,7 @@ impl SocketReader {
             Ok(Message::Binary(_)) => Received::Refused("a request is a text message".into()),
             Ok(_) => Received::Reply(replies.into()),
             Err(tungstenite::Error::Io(error)) if is_temporary(error.kind()) => Received::Nothing,
+            Err(tungstenite::Error::Capacity(_)) => Received::Refused(too_long()),
             Err(_) => Received::Gone,
         }
     }
