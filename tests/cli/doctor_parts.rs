@@ -68,3 +68,19 @@ fn a_source_that_this_build_lacks_is_a_finding() {
         assert!(text.contains(reason), "{text}");
     }
 }
+
+#[test]
+fn a_port_at_which_a_setup_cannot_share_is_a_finding() {
+    let folder = tempfile::tempdir().unwrap();
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let taken_port = taken.local_addr().unwrap().port();
+    for (port, status) in [(taken_port, "missing"), (0, "ok")] {
+        let text = format!("(source: \"typist:hi\", share: [\"json:127.0.0.1:{port}\"])");
+        let setup = crate::file(&folder, &format!("{port}.ron"), text);
+        let ended = run(["doctor", "--json", &setup]);
+        let checks = checks(&ended);
+        let finding = check(&checks, "share");
+        assert_eq!(finding["status"], status, "{finding}");
+        assert_eq!(ended.code, Some(i32::from(port != 0)), "{finding}");
+    }
+}

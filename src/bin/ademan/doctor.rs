@@ -54,6 +54,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     findings.extend(doctor::check_headset(&setup.setup));
     findings.extend(doctor::check_panic_keys(&setup.setup));
     findings.extend(doctor::check_focus(&setup.setup));
+    findings.extend(doctor::check_share(&setup));
     findings.push(check_outputs(&setup)?);
     let test = |backend: &&'static Backend| {
         let check = backend.check?;

@@ -10,6 +10,7 @@ mod focus;
 mod headset;
 mod panic_keys;
 mod probe;
+mod share;
 mod source;
 mod time_limit;
 
@@ -21,6 +22,7 @@ pub use facts::{
 pub use focus::check_focus;
 pub use headset::check_headset;
 pub use panic_keys::check_panic_keys;
+pub use share::check_share;
 pub use source::check_source;
 
 use std::path::Path;
@@ -79,7 +81,7 @@ named_enum! {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// Subject of the check: `user`, `serial port`, `source`, `headset`, `uinput`, `display`, `compositor`, `priority`, `watchdog`,
-    /// `sockets`, `panic keys`, `focus`, `outputs`.
+    /// `sockets`, `panic keys`, `focus`, `share`, `outputs`.
     pub check: &'static str,
     /// Status of the subject.
     pub status: CheckStatus,
