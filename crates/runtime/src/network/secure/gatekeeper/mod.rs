@@ -22,7 +22,7 @@ use super::identity::Identity;
 use super::token::{Hash, Token};
 use super::token_list::TokenList;
 use crate::advice;
-use crate::network::{Admitted, DeadlineStream, MemoryStream, NetworkError, TokenEntry};
+use crate::network::{Admitted, DeadlineStream, MemoryStream, NetworkError, TokenEntry, TokenRole};
 
 /// Longest time for the handshake and the token.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
@@ -66,19 +66,25 @@ impl fmt::Debug for Gatekeeper {
 impl Gatekeeper {
     /// Uses the certificate and the tokens in a folder. Fails if there are no tokens.
     pub fn open(folder: &Path) -> Result<Self, NetworkError> {
-        Self::with_handshakes(folder, Handshakes::default())
+        Self::with_handshakes(folder, Handshakes::default(), TokenRole::See)
     }
 
-    /// As [`open`](Self::open), for a server of pages, whose clients show their tokens after a request.
+    /// As [`open`](Self::open), for a server of pages, whose clients show their tokens after a request and at least point.
     pub fn open_for_pages(folder: &Path) -> Result<Self, NetworkError> {
-        Self::with_handshakes(folder, Handshakes::of_browsers())
+        Self::with_handshakes(folder, Handshakes::of_browsers(), TokenRole::Point)
     }
 
-    fn with_handshakes(folder: &Path, handshakes: Handshakes) -> Result<Self, NetworkError> {
-        if TokenList::read(folder)?.is_empty() {
-            return Err(NetworkError::Token(
-                "there is no token with which a client could connect; make one: ademan token new NAME --role see".into(),
-            ));
+    /// Fails if no token has at least this role.
+    fn with_handshakes(
+        folder: &Path,
+        handshakes: Handshakes,
+        role: TokenRole,
+    ) -> Result<Self, NetworkError> {
+        let list = TokenList::read(folder)?;
+        if !list.entries().any(|token| token.role >= role) {
+            return Err(NetworkError::Token(format!(
+                "there is no token with which a client could connect; make one: ademan token new NAME --role {role}"
+            )));
         }
         let keeper = Self(Arc::new(Shared {
             config: Identity::open(folder)?.server_config()?,

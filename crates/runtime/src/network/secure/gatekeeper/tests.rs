@@ -306,3 +306,15 @@ fn a_server_without_tokens_or_with_files_of_another_kind_does_not_start() {
     let token_error = Gatekeeper::open(&network).unwrap_err().to_string();
     assert!(token_error.contains("line 1"), "{token_error}");
 }
+
+#[test]
+fn a_server_of_pages_needs_a_token_that_points() {
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path().join("network");
+    tokens::create(&folder, "screen", TokenRole::See).unwrap();
+    assert!(Gatekeeper::open(&folder).is_ok());
+    let error = Gatekeeper::open_for_pages(&folder).unwrap_err().to_string();
+    assert!(error.ends_with("token new NAME --role point"), "{error}");
+    tokens::create(&folder, "headset", TokenRole::Point).unwrap();
+    assert!(Gatekeeper::open_for_pages(&folder).is_ok());
+}
