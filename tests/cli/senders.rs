@@ -132,6 +132,18 @@ fn message_about(
     protocol: &str,
     mut datagram: impl FnMut() -> Vec<u8> + Send + 'static,
 ) -> String {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    message_to(part, protocol, move |address| {
+        let _ = socket.send_to(&datagram(), address);
+    })
+}
+
+/// Calls `send` with the address of the program until it prints a message with `part`, and returns the message.
+fn message_to(
+    part: &str,
+    protocol: &str,
+    mut send: impl FnMut(SocketAddr) + Send + 'static,
+) -> String {
     let address = free_address();
     let source = format!("udp:{address}?protocol={protocol}");
     let mut command = ademan([
@@ -146,13 +158,12 @@ fn message_about(
     command.stdout(Stdio::null()).stderr(Stdio::piped());
     let mut program = Process::start(&mut command).expect("the program starts");
     let stderr = BufReader::new(program.0.stderr.take().expect("it is piped"));
-    let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
     let (end, is_over) = bounded::<()>(0);
     let (process, start) = (program.0.id(), Instant::now());
     let sender = thread::spawn(move || {
         let interval = Duration::from_millis(10);
         while is_over.recv_timeout(interval) == Err(RecvTimeoutError::Timeout) {
-            let _ = socket.send_to(&datagram(), address);
+            send(address);
             if start.elapsed() > TIMEOUT {
                 // Its messages end, so that the test fails.
                 signal("KILL", process);
@@ -165,6 +176,16 @@ fn message_about(
     drop(end);
     sender.join().expect("no panic");
     found.expect("a message")
+}
+
+#[test]
+fn a_program_that_opens_a_socket_for_each_datagram_is_told_to_keep_one() {
+    let pose = opentrack::encode(&[0.0; 6]);
+    let message = message_to("several senders", "opentrack", move |address| {
+        let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+        let _ = socket.send_to(&pose, address);
+    });
+    assert!(message.ends_with("for each packet keep one"), "{message}");
 }
 
 #[test]

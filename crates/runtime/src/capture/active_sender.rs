@@ -2,6 +2,9 @@
 
 use std::time::{Duration, Instant};
 
+use super::garbage::GarbageDetector;
+use super::protocol::{InvalidPacket, InvalidPackets};
+
 /// Silence of the active sender after which another one can become active.
 pub(super) const SENDER_TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -67,18 +70,36 @@ impl<T: Copy + PartialEq> ActiveSender<T> {
 }
 
 /// Counter of the senders of a source.
-#[derive(Debug, Default)]
-pub(super) struct SenderCount(u64);
+#[derive(Default)]
+pub(super) struct SenderCount {
+    accepted: u64,
+    /// Packets that were dropped because another sender is active.
+    refused: InvalidPackets,
+    /// Detector of such packets that keep arriving.
+    detector: GarbageDetector,
+}
 
 impl SenderCount {
     /// Counts a sender that was accepted, if `is_new`: it is another one than the previous active sender.
     pub fn note(&mut self, is_new: bool) {
-        self.0 += u64::from(is_new);
+        self.accepted += u64::from(is_new);
     }
 
     /// Returns how often a sender has followed another one.
     pub fn changes(&self) -> u64 {
-        self.0.saturating_sub(1)
+        self.accepted.saturating_sub(1)
+    }
+
+    /// Counts a packet that was dropped at `now` because another sender is active. Returns `true` if a warning is due, once: several
+    /// senders have sent for 2 s.
+    pub fn refuse(&mut self, now: Instant) -> bool {
+        self.refused.count(InvalidPacket::UnknownSender);
+        self.detector.update(now, false)
+    }
+
+    /// Returns the number of packets that were dropped because another sender is active, by that reason.
+    pub fn refused(&self) -> InvalidPackets {
+        self.refused
     }
 }
 

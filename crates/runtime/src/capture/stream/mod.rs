@@ -17,7 +17,7 @@ use super::connection::{
 };
 use super::event::NOISE_INTERVAL;
 use super::feedback::FeedbackDevice;
-use super::protocol::{Decoder, InvalidPacket, InvalidPackets, StreamFormat};
+use super::protocol::{Decoder, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
 use super::sender_clock::{DEFAULT_MAX_AGE, SenderClock};
 use super::{CaptureError, HeadsetList, Source, SourceEvent, SourceStats, SourceWait};
@@ -51,8 +51,6 @@ pub(super) struct StreamSource<C> {
     /// Restarts only after a packet: a device that comes and goes is opened less and less often.
     back_off: BackOff,
     losses: u64,
-    /// Packets of other senders, which the decoder has not seen.
-    unread: InvalidPackets,
     senders: SenderCount,
     /// Time at which a call returns although no reading is complete, so that the statistics since the last reading are reported.
     report_at: Option<Instant>,
@@ -101,7 +99,6 @@ impl<C: Connector> StreamSource<C> {
             last_received: Instant::now(),
             back_off: BackOff::default(),
             losses: 0,
-            unread: InvalidPackets::default(),
             senders: SenderCount::default(),
             report_at: None,
         })
@@ -135,8 +132,11 @@ impl<C: Connector> StreamSource<C> {
             Ok(length) => self.handle_bytes(length),
             Err(error) if is_idle(error.kind()) => self.handle_silence(),
             Err(error) if C::HAS_SENDERS && error.kind() == UNKNOWN_SENDER => {
-                self.unread.count(InvalidPacket::UnknownSender);
-                self.report_at = Some(Instant::now() + NOISE_INTERVAL);
+                let now = Instant::now();
+                if self.senders.refuse(now) {
+                    warnings::several_senders(&self.name);
+                }
+                self.report_at = Some(now + NOISE_INTERVAL);
                 Ok(SourceEvent::Idle)
             }
             Err(error) if C::RECONNECTS => Err(self.lose(error.to_string())),
@@ -489,7 +489,7 @@ impl<C: Connector> Source for StreamSource<C> {
                 - self.pending.too_old.total(),
             losses: self.losses,
             sender_changes: self.senders.changes(),
-            invalid: decoded.invalid + self.unread + self.pending.too_old,
+            invalid: decoded.invalid + self.senders.refused() + self.pending.too_old,
             ..decoded
         }
     }

@@ -62,6 +62,15 @@ fn reason(error: Option<&PacketError>) -> String {
     })
 }
 
+/// Warns that several senders send at the same time, of which one is read.
+pub fn several_senders(name: &str) {
+    tracing::warn!(
+        source = name,
+        "several senders send to {name}, and only one is read; end the others, or let a program that opens a socket for each packet \
+         keep one"
+    );
+}
+
 /// Warns that readings are dropped because of their age.
 pub fn too_late(name: &str) {
     tracing::warn!(
