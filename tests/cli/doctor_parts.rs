@@ -1,4 +1,4 @@
-//! Outputs and sources that this machine or this build lacks, in the report of `ademan doctor`.
+//! Outputs, sources and shares that this machine or this build lacks, in the report of `ademan doctor`.
 
 use crate::doctor::{check, checks};
 use crate::run;
