@@ -1,12 +1,12 @@
 //! Requests of the loop to the thread of an input method, and state that both share; neither waits for the other.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use arrayvec::ArrayVec;
-use crossbeam_channel::{Receiver, Sender, bounded};
+use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 
 use super::ibus;
 use crate::output::text_field::{FocusedField, Text};
@@ -52,9 +52,31 @@ pub(super) struct Shared {
     /// The key presses that the output of keys got.
     presses: AtomicU32,
     stops: AtomicU32,
+    /// Number of characters of text that no field has taken.
+    dropped_characters: AtomicU64,
 }
 
 impl Shared {
+    /// Returns `true` if a request is for the field that has the focus, and no stop has made it void. Otherwise counts its text as
+    /// dropped.
+    pub(super) fn accepts(&self, request: &Request) -> bool {
+        let is_accepted =
+            request.stops == self.stops() && request.field == self.field.get().generation;
+        if !is_accepted {
+            self.drop_text(&request.action);
+        }
+        is_accepted
+    }
+
+    /// Counts the text of an action that is not executed as dropped.
+    pub(super) fn drop_text(&self, action: &Action) {
+        if let Action::Commit(text) = action {
+            let characters = text.chars().count() as u64;
+            self.dropped_characters
+                .fetch_add(characters, Ordering::Relaxed);
+        }
+    }
+
     /// Reports the choice of a candidate, counted from 1.
     pub(super) fn choose(&self, number: u8) {
         self.choice.store(number, Ordering::Release);
@@ -117,16 +139,27 @@ impl Client {
         })
     }
 
-    /// Requests an action for the field of this generation. Returns `false` if the queue is full.
-    pub(super) fn request(&self, action: Action, field: u32) -> bool {
+    /// Requests an action for the field of this generation. If the queue is full, counts its text as dropped.
+    pub(super) fn request(&self, action: Action, field: u32) {
         let request = Request {
             action,
             field,
             after_presses: self.presses,
             stops: self.shared.stops(),
         };
-        let requests = self.requests.as_ref();
-        requests.is_some_and(|requests| requests.try_send(request).is_ok())
+        let Some(requests) = &self.requests else {
+            return self.shared.drop_text(&request.action);
+        };
+        if let Err(TrySendError::Full(lost) | TrySendError::Disconnected(lost)) =
+            requests.try_send(request)
+        {
+            self.shared.drop_text(&lost.action);
+        }
+    }
+
+    /// Returns the number of characters of text that no field has taken.
+    pub(super) fn dropped_characters(&self) -> u64 {
+        self.shared.dropped_characters.load(Ordering::Relaxed)
     }
 
     /// Counts a key press that the output of keys gets: later text follows it.
@@ -153,5 +186,64 @@ impl Client {
         {
             let _ = thread.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::FieldKind;
+
+    fn request(shared: &Shared, action: Action) -> Request {
+        Request {
+            action,
+            field: shared.field.get().generation,
+            after_presses: 0,
+            stops: shared.stops(),
+        }
+    }
+
+    fn text(text: &str) -> Text {
+        Text::from(text).unwrap()
+    }
+
+    #[test]
+    fn text_of_before_a_stop_or_for_another_field_is_counted_as_dropped() {
+        let shared = Shared::default();
+        let requests = [
+            Action::Commit(text("señal ")),
+            Action::Show(text("wor")),
+            Action::List(Candidates::new()),
+        ]
+        .map(|action| request(&shared, action));
+        assert!(requests.iter().all(|request| shared.accepts(request)));
+        let dropped = || shared.dropped_characters.load(Ordering::Relaxed);
+        assert_eq!(dropped(), 0);
+        shared.stop();
+        assert!(!requests.iter().any(|request| shared.accepts(request)));
+        assert_eq!(dropped(), 6, "a word that is shown is committed later");
+        let of_a_field = request(&shared, Action::Commit(text("ok")));
+        shared.field.enter(FieldKind::Text);
+        assert!(!shared.accepts(&of_a_field));
+        assert_eq!(dropped(), 8);
+    }
+
+    #[test]
+    fn text_that_finds_no_room_in_the_queue_is_counted_as_dropped() {
+        let (requests, queue) = bounded(1);
+        let client = Client {
+            requests: Some(requests),
+            shared: Arc::default(),
+            presses: 0,
+            thread: None,
+            ended: crossbeam_channel::never(),
+        };
+        for _ in 0..2 {
+            client.request(Action::Commit(text("it ")), 0);
+        }
+        assert_eq!(client.dropped_characters(), 3);
+        drop(queue);
+        client.request(Action::Commit(text("is ")), 0);
+        assert_eq!(client.dropped_characters(), 6);
     }
 }

@@ -71,7 +71,7 @@ impl Outputs {
     }
 
     /// Writes a text to the field of this generation, which takes it or shows it. `keys` are the events before it; they are removed if
-    /// they had to be sent. Returns `false` if the queue is full.
+    /// they had to be sent. A text that is dropped is [counted](Self::dropped_presses).
     #[cfg_attr(
         not(feature = "wayland"),
         allow(unused_variables, reason = "only a compositor has one queue for both")
@@ -82,7 +82,7 @@ impl Outputs {
         is_committed: bool,
         field: u32,
         keys: &mut Events,
-    ) -> Result<bool, OutputError> {
+    ) -> Result<(), OutputError> {
         match self {
             Self::Bus { client, .. } => {
                 let action = if is_committed {
@@ -90,19 +90,19 @@ impl Outputs {
                 } else {
                     Action::Show(text)
                 };
-                Ok(client.request(action, field))
+                client.request(action, field);
+                Ok(())
             }
             #[cfg(feature = "wayland")]
             Self::Compositor(desktop) => {
                 let sent = desktop.send(keys);
                 keys.clear();
-                // It counts what it drops.
                 let composed = desktop.compose(Composing {
                     text,
                     is_committed,
                     field,
                 });
-                sent.and(composed).map(|()| true)
+                sent.and(composed)
             }
         }
     }
@@ -118,6 +118,15 @@ impl Outputs {
     /// Returns `true` if the field loses a shown word with the focus.
     pub(super) fn loses_word(&self) -> bool {
         !matches!(self, Self::Bus { .. })
+    }
+
+    /// Returns the number of presses and characters that were dropped.
+    pub(super) fn dropped_presses(&self) -> u64 {
+        match self {
+            Self::Bus { keys, client } => keys.dropped_presses() + client.dropped_characters(),
+            #[cfg(feature = "wayland")]
+            Self::Compositor(desktop) => desktop.dropped_presses(),
+        }
     }
 
     /// Makes presses and text void that have not been sent.

@@ -40,7 +40,7 @@ pub fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
             events: Events::new(),
             field: 0,
             is_idle: true,
-            dropped_presses: 0,
+            dropped_characters: 0,
             result: Ok(()),
         },
         composes_words: false,
@@ -75,7 +75,8 @@ struct Outlet {
     field: u32,
     /// `true` if nothing was requested since the last stop.
     is_idle: bool,
-    dropped_presses: u64,
+    /// Number of characters of words that were lost with their field.
+    dropped_characters: u64,
     /// The first error of this step.
     result: Result<(), OutputError>,
 }
@@ -97,10 +98,8 @@ impl Outlet {
         let written = self
             .outputs
             .write(text, is_committed, self.field, &mut self.events);
-        match written {
-            Ok(is_sent) => self.dropped_presses += u64::from(is_committed && !is_sent),
-            Err(error) if self.result.is_ok() => self.result = Err(error),
-            Err(_) => {}
+        if self.result.is_ok() {
+            self.result = written;
         }
     }
 
@@ -120,7 +119,7 @@ impl Ime {
             self.outlet.field = field.generation;
             if self.outlet.outputs.loses_word() {
                 let characters = self.composition.word().chars().count();
-                self.outlet.dropped_presses += characters as u64;
+                self.outlet.dropped_characters += characters as u64;
             }
             self.composition.forget_word();
         }
@@ -193,7 +192,7 @@ impl Sink for Ime {
     }
 
     fn dropped_presses(&self) -> u64 {
-        self.outlet.dropped_presses + self.outlet.outputs.keys().dropped_presses()
+        self.outlet.dropped_characters + self.outlet.outputs.dropped_presses()
     }
 
     fn coalesced_motions(&self) -> u64 {

@@ -149,7 +149,7 @@ impl<'a> Engine<'a> {
                 },
                 recv(messages) -> message => match message {
                     Ok(message) => self.answer(&message),
-                    Err(_) => return End::Daemon,
+                    Err(_) => return self.lose_daemon(),
                 },
                 recv(timeout) -> _ => {
                     self.keys.seen = self.shared.presses();
@@ -157,9 +157,17 @@ impl<'a> Engine<'a> {
                 }
             };
             if done.is_err() {
-                return End::Daemon;
+                return self.lose_daemon();
             }
         }
+    }
+
+    /// Counts the text that waits as dropped: no field takes it.
+    fn lose_daemon(&self) -> End {
+        for request in &self.waiting {
+            self.shared.drop_text(&request.action);
+        }
+        End::Daemon
     }
 
     /// Executes the requests that wait, and restores the previous engine of the desktop.
@@ -192,8 +200,7 @@ impl<'a> Engine<'a> {
     }
 
     fn execute(&mut self, request: Request) -> zbus::Result<()> {
-        let is_void = request.stops != self.shared.stops();
-        if is_void || request.field != self.shared.field.get().generation {
+        if !self.shared.accepts(&request) {
             return Ok(());
         }
         match request.action {

@@ -63,7 +63,7 @@ fn run(bus: Bus, requests: &Receiver<Request>, shared: &Shared) {
             "IBus has ended: a word that was open is lost, and what is typed goes through the keys, uncorrected, until IBus is back"
         );
         bus = loop {
-            if is_session_over(requests) {
+            if is_session_over(requests, shared) {
                 return;
             }
             if let Ok(next) = Bus::connect() {
@@ -75,11 +75,11 @@ fn run(bus: Bus, requests: &Receiver<Request>, shared: &Shared) {
 }
 
 /// Drops requests for [`RETRY_PERIOD`]. Returns `true` as soon as the session is over.
-fn is_session_over(requests: &Receiver<Request>) -> bool {
+fn is_session_over(requests: &Receiver<Request>, shared: &Shared) -> bool {
     let deadline = std::time::Instant::now() + RETRY_PERIOD;
     loop {
         match requests.recv_deadline(deadline) {
-            Ok(_) => {}
+            Ok(request) => shared.drop_text(&request.action),
             Err(error) => return error == RecvTimeoutError::Disconnected,
         }
     }
