@@ -149,7 +149,8 @@ impl<N: DeviceNode> Uinput<N> {
         }
     }
 
-    /// Adds an event to the report of its device. A press that is not among the required capabilities is dropped.
+    /// Adds an event to the report of its device. A press that is not among the required capabilities is dropped, and so is a
+    /// character: the input method has no field for it, and no device types it.
     fn push(&mut self, event: EventKind) -> io::Result<()> {
         if let EventKind::KeyUp(key) = event {
             return self.push_release(key);
@@ -164,7 +165,8 @@ impl<N: DeviceNode> Uinput<N> {
         match active.map(|(index, _)| index) {
             Some(index) => self.push_to(index, event),
             None => {
-                self.dropped_presses += u64::from(matches!(event, EventKind::KeyDown(_)));
+                let is_lost = matches!(event, EventKind::KeyDown(_) | EventKind::Character(_));
+                self.dropped_presses += u64::from(is_lost);
                 Ok(())
             }
         }
