@@ -497,4 +497,4 @@ fn send_error(reason: impl ToString) -> OutputError {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -129,12 +129,20 @@ impl Outputs {
         }
     }
 
-    /// Makes presses and text void that have not been sent.
-    pub(super) fn void(&mut self, has_text: bool) {
-        self.keys_mut().void_presses();
+    /// Makes presses and text void that have not been sent. `has_requests` is `true` if there were any since the last call.
+    pub(super) fn void(&mut self, has_requests: bool) {
         match self {
-            Self::Bus { client, .. } if has_text => client.stop(),
-            _ => {}
+            Self::Bus { keys, client } => {
+                keys.void_presses();
+                if has_requests {
+                    client.stop();
+                }
+            }
+            // The word of the last call may still wait for the compositor.
+            #[cfg(feature = "wayland")]
+            Self::Compositor(desktop) if !has_requests && !desktop.has_stalled() => {}
+            #[cfg(feature = "wayland")]
+            Self::Compositor(desktop) => desktop.void_presses(),
         }
     }
 

@@ -14,7 +14,7 @@ use crate::output::{
 use ademan_core::command::TextMode;
 use ademan_core::contact::TargetNames;
 use ademan_core::device::signals::Signals;
-use ademan_core::device::{Capabilities, Events, OutputEvent};
+use ademan_core::device::{Capabilities, EventKind, Events, OutputEvent};
 use ademan_core::pipeline::TextState;
 
 /// Opens the output.
@@ -73,7 +73,7 @@ struct Outlet {
     events: Events,
     /// The generation of the field.
     field: u32,
-    /// `true` if nothing was requested since the last stop.
+    /// `true` if nothing that a stop makes void was requested since the last stop.
     is_idle: bool,
     /// Number of characters of words that were lost with their field.
     dropped_characters: u64,
@@ -87,6 +87,7 @@ impl Outlet {
             Part::Show(word) => self.write(word, false),
             Part::Commit(text) => self.write(text, true),
             Part::Key(event) => {
+                self.is_idle &= !can_be_void(event.kind);
                 self.outputs.count(event.kind);
                 let _ = self.events.try_push(event);
             }
@@ -171,9 +172,9 @@ impl Sink for Ime {
     }
 
     fn void_presses(&mut self) {
-        let has_text = !std::mem::replace(&mut self.outlet.is_idle, true);
-        self.outlet.outputs.void(has_text);
-        if has_text {
+        let has_requests = !std::mem::replace(&mut self.outlet.is_idle, true);
+        self.outlet.outputs.void(has_requests);
+        if has_requests {
             // The person sees the word; without an input method its letters would be there, too.
             self.commit_word();
             self.outlet.is_idle = true;
@@ -213,7 +214,6 @@ impl Sink for Ime {
             .map_or(&none, |state| &state.candidates);
         if *candidates != self.listed {
             self.listed.clone_from(candidates);
-            self.outlet.is_idle = false;
             self.outlet.outputs.list(candidates, self.outlet.field);
         }
     }
@@ -227,6 +227,63 @@ impl Drop for Ime {
     fn drop(&mut self) {
         if !self.is_closed {
             let _ = self.close();
+        }
+    }
+}
+
+/// Returns `true` if a stop makes an event void that the output of keys has not sent.
+fn can_be_void(event: EventKind) -> bool {
+    matches!(
+        event,
+        EventKind::KeyDown(_)
+            | EventKind::Character(_)
+            | EventKind::MoveBy(..)
+            | EventKind::MoveTo(..)
+            | EventKind::Scroll(..)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    #[cfg(feature = "wayland")]
+    mod compositor {
+        use super::super::*;
+        use crate::output::desktop::tests::TestDisplay;
+        use crate::output::tests::{down, up};
+
+        #[test]
+        fn a_pause_commits_the_word_although_the_display_responds_several_turns_later() {
+            let display = TestDisplay::default();
+            let (desktop, gate) = display.open();
+            let field = Arc::new(FocusedField::default());
+            field.enter(FieldKind::Text);
+            let mut ime = Ime {
+                composition: Composition::default(),
+                outlet: Outlet {
+                    outputs: Outputs::Compositor(Box::new(desktop)),
+                    focused: field,
+                    events: Events::new(),
+                    field: 0,
+                    is_idle: true,
+                    dropped_characters: 0,
+                    result: Ok(()),
+                },
+                composes_words: true,
+                adds_capitals: false,
+                listed: Candidates::new(),
+                is_closed: false,
+            };
+            ime.send(&[down(1, "H"), up(1, "H"), down(2, "I")]).unwrap();
+            // As in each turn of a loop that is paused.
+            for _ in 0..3 {
+                ime.void_presses();
+                ime.send(&[]).unwrap();
+                ime.show_text(None);
+            }
+            drop(gate);
+            ime.close().unwrap();
+            assert_eq!(display.lines(), ["commit hi"]);
+            assert_eq!(ime.dropped_presses(), 0);
         }
     }
 }

@@ -8,6 +8,8 @@ mod hung_loop;
 mod reports;
 
 use super::burst::Stroke;
+#[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+use super::composing::Composing;
 use super::direct_keys::DirectConnection;
 use super::injector::WindowId;
 use super::key_reporter::KeyReporter;
@@ -20,7 +22,7 @@ use std::sync::Mutex;
 
 /// A display that records keys and actions as lines.
 #[derive(Clone, Default)]
-struct TestDisplay(Arc<Mutex<DisplayState>>);
+pub(in crate::output) struct TestDisplay(Arc<Mutex<DisplayState>>);
 
 #[derive(Default)]
 struct DisplayState {
@@ -52,7 +54,7 @@ struct Connection {
 impl TestDisplay {
     /// Opens a sink on this display. Each call of the connection blocks until the returned gate is dropped; presses may
     /// wait for that.
-    fn open(&self) -> (Desktop, Sender<()>) {
+    pub(in crate::output) fn open(&self) -> (Desktop, Sender<()>) {
         self.open_with_max_age(Duration::MAX)
     }
 
@@ -87,7 +89,7 @@ impl TestDisplay {
         self.0.lock().unwrap().is_blocked = is_blocked;
     }
 
-    fn lines(&self) -> Vec<String> {
+    pub(in crate::output) fn lines(&self) -> Vec<String> {
         self.0.lock().unwrap().lines.clone()
     }
 }
@@ -147,6 +149,18 @@ impl Injector for Connection {
                 .push(format!("type {}", bursts::describe(burst)));
         }
         Ok(can_type)
+    }
+
+    #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+    fn compose(&mut self, composing: &Composing) -> Result<bool, String> {
+        let verb = if composing.is_committed {
+            "commit"
+        } else {
+            "show"
+        };
+        let mut state = self.display.0.lock().unwrap();
+        state.lines.push(format!("{verb} {}", composing.text));
+        Ok(true)
     }
 
     fn focus(&self) -> Option<WindowId> {
