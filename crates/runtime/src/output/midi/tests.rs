@@ -52,9 +52,14 @@ fn messages(events: &[EventKind]) -> Vec<Vec<u8>> {
         sink.send(&[event(1, *kind)]).unwrap();
     }
     sink.close().unwrap();
-    let mut written = std::mem::take(&mut *written.lock().unwrap());
-    written.retain(|message| message != &[0xfe]);
-    written
+    without_sensing(&written)
+}
+
+/// Removes and returns what was written, without Active Sensing.
+fn without_sensing(written: &Written) -> Vec<Vec<u8>> {
+    let mut messages = std::mem::take(&mut *written.lock().unwrap());
+    messages.retain(|message| message != &[0xfe]);
+    messages
 }
 
 #[test]
@@ -117,7 +122,7 @@ fn notes_end_with_the_session_and_with_the_layout() {
     sink.set_signals(&Signals::default());
     sink.send(&[event(2, Velocity(C4, 0.0))]).unwrap();
     drop(sink);
-    let end = written.lock().unwrap().pop();
+    let end = without_sensing(&written).pop();
     assert_eq!(end.as_deref(), Some(&[0x80, 60, 64][..]));
 }
 
@@ -140,9 +145,9 @@ fn a_queue_that_is_closed_without_an_end_of_the_notes_ends_them_in_the_thread() 
     // As by a panic of the loop.
     sink.messages = None;
     sink.thread.join().unwrap();
-    let written = std::mem::take(&mut *written.lock().unwrap());
+    let messages = without_sensing(&written);
     let end = [vec![0x89, 36, 64], vec![0xb9, 123, 0]];
-    assert!(written.ends_with(&end), "{written:?}");
+    assert!(messages.ends_with(&end), "{messages:?}");
 }
 
 #[test]
@@ -153,15 +158,30 @@ fn a_loop_that_hangs_leaves_no_note() {
     // Two periods without a step.
     wait_until("the end of all notes", || {
         std::thread::sleep(std::time::Duration::from_millis(10));
-        written.lock().unwrap().last() == Some(&end)
+        written.lock().unwrap().contains(&end)
     });
-    let sensing = written
-        .lock()
-        .unwrap()
-        .iter()
-        .filter(|it| **it == [0xfe])
-        .count();
-    assert!(sensing <= 1, "{sensing}");
+    let messages = written.lock().unwrap().clone();
+    let before = messages.iter().take_while(|message| **message != end);
+    let sensing = before.filter(|message| **message == [0xfe]).count();
+    assert!(sensing <= 2, "{sensing}");
+}
+
+#[test]
+fn active_sensing_comes_before_the_first_note_and_goes_on_after_the_last() {
+    let (mut sink, written) = sink();
+    sink.send(&[event(1, Value(FADER, 0.5))]).unwrap();
+    sink.send(&[event(2, Velocity(C4, 1.0))]).unwrap();
+    sink.send(&[event(3, Velocity(C4, 0.0))]).unwrap();
+    let note_off = vec![0x80, 60, 64];
+    wait_until("signs of life after the note", || {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        let messages = written.lock().unwrap();
+        let later = messages.iter().rev().take_while(|it| **it == [0xfe]);
+        later.count() >= 2 && messages.contains(&note_off)
+    });
+    let messages = written.lock().unwrap().clone();
+    let start = [vec![0xb1, 7, 64], vec![0xfe], vec![0x90, 60, 127]];
+    assert!(messages.starts_with(&start), "{messages:?}");
 }
 
 /// Returns an output whose device reads nothing until the sender is dropped, and what it has read.
@@ -199,7 +219,7 @@ fn a_device_that_does_not_read_delays_no_step_and_loses_no_end_of_a_note() {
     sink.void_presses();
     drop(gate);
     sink.close().unwrap();
-    let written = std::mem::take(&mut *written.lock().unwrap());
+    let written = without_sensing(&written);
     let of_notes = written.iter().filter(|message| message[0] & 0xe0 == 0x80);
     let of_notes: Vec<_> = of_notes.collect();
     assert_eq!(of_notes, [&[0x90, 60, 127], &[0x80, 60, 64]]);

@@ -16,7 +16,7 @@ pub(super) type Writer = Box<dyn FnMut(&[u8]) -> io::Result<()> + Send>;
 /// The message that shows a receiver that the sender lives. After it, a silence of 300 ms ends all notes.
 const ACTIVE_SENSING: [u8; 1] = [0xfe];
 
-/// Time between two of them.
+/// Silence after which it is sent again.
 const SENSING_PERIOD: Duration = Duration::from_millis(250);
 
 /// Longest time that the end of the thread takes.
@@ -41,6 +41,7 @@ impl MidiThread {
         let port = Port {
             writer,
             notes: [0; CHANNELS],
+            is_sensed: false,
         };
         let seen = Arc::clone(&steps);
         let run = move || {
@@ -79,6 +80,8 @@ struct Port {
     writer: Writer,
     /// The notes of each channel that sound, as bits.
     notes: [u128; CHANNELS],
+    /// `true` if Active Sensing was sent, as it is before the first note.
+    is_sensed: bool,
 }
 
 impl Port {
@@ -88,13 +91,13 @@ impl Port {
             let written = match queue.recv_timeout(SENSING_PERIOD) {
                 Ok(message) => self.write(message),
                 Err(RecvTimeoutError::Disconnected) => break,
-                Err(RecvTimeoutError::Timeout) if self.notes == [0; CHANNELS] => Ok(()),
                 Err(RecvTimeoutError::Timeout) => {
                     let now = steps.load(Ordering::Relaxed);
-                    if std::mem::replace(&mut seen_steps, now) == now {
+                    let is_hung = std::mem::replace(&mut seen_steps, now) == now;
+                    if is_hung && self.notes != [0; CHANNELS] {
                         self.end_notes()
                     } else {
-                        (self.writer)(&ACTIVE_SENSING)
+                        self.show_life()
                     }
                 }
             };
@@ -112,10 +115,26 @@ impl Port {
         let notes = &mut self.notes[usize::from(status & 0x0f)];
         match status & 0xf0 {
             0x80 => *notes &= !(1 << note),
-            0x90 => *notes |= 1 << note,
+            0x90 => {
+                *notes |= 1 << note;
+                // The process may be killed before the first silence.
+                if !std::mem::replace(&mut self.is_sensed, true) {
+                    (self.writer)(&ACTIVE_SENSING)?;
+                }
+            }
             _ => {}
         }
         (self.writer)(&message)
+    }
+
+    /// Sends Active Sensing after a silence, also while no note sounds: a receiver that has got it once takes a longer silence for the
+    /// end of the sender, and cuts off what still fades.
+    fn show_life(&mut self) -> io::Result<()> {
+        if self.is_sensed {
+            (self.writer)(&ACTIVE_SENSING)
+        } else {
+            Ok(())
+        }
     }
 
     /// Ends the notes that sound: each of them, and all of their channels for receivers that have missed the beginning.
