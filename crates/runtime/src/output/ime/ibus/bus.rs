@@ -45,18 +45,34 @@ impl Bus {
         let address = address()?;
         let connection = open(&address)?;
         let messages = read(&connection)?;
-        let mut bus = Self {
+        let bus = Self {
             connection,
             messages,
             previous: None,
         };
+        match bus.register() {
+            Ok(previous) => Ok(Self { previous, ..bus }),
+            Err(reason) => {
+                bus.end_connection();
+                Err(reason)
+            }
+        }
+    }
+
+    /// Registers the engine, and asks for it to be the desktop's. Returns the engine of the desktop before.
+    fn register(&self) -> Result<Option<String>, String> {
         let component = (Value::from(serial::component()),);
-        call(&bus.connection, DAEMON, "RegisterComponent", &component)
+        call(&self.connection, DAEMON, "RegisterComponent", &component)
             .map_err(|error| format!("IBus refuses the engine: {error}"))?;
-        bus.previous = bus.global_engine().filter(|name| name != serial::ENGINE);
-        bus.select(serial::ENGINE)
+        let previous = self.global_engine().filter(|name| name != serial::ENGINE);
+        self.select(serial::ENGINE)
             .map_err(|error| format!("IBus does not select the engine: {error}"))?;
-        Ok(bus)
+        Ok(previous)
+    }
+
+    /// Ends the connection, which its thread would keep open until the next message. Returns `true` if it was open.
+    fn end_connection(&self) -> bool {
+        self.connection.clone().close().is_ok()
     }
 
     /// Ends the connection, and makes the engine before the desktop's again.
@@ -65,12 +81,11 @@ impl Bus {
     /// this waits for it.
     pub(super) fn close(self) {
         let selected = self.global_engine();
-        let Some(previous) = selected.filter(|it| it != serial::ENGINE).or(self.previous) else {
+        let is_ended = self.end_connection();
+        let previous = selected.filter(|it| it != serial::ENGINE).or(self.previous);
+        let Some(previous) = previous.filter(|_| is_ended) else {
             return;
         };
-        if self.connection.close().is_err() {
-            return;
-        }
         let _ = address().and_then(|address| {
             let connection = open(&address)?;
             let is_gone = || global_engine(&connection).is_none();
