@@ -19,6 +19,35 @@ struct NamedOutput<'a> {
     argument: Option<&'a str>,
 }
 
+impl NamedOutput<'_> {
+    /// Returns the backend that the keys of the output `ime` go through; `None` for other outputs.
+    fn key_output(&self) -> Option<&'static Backend> {
+        let argument = (self.backend == &ime::BACKEND).then_some(self.argument);
+        argument.and_then(|argument| ime::key_output(argument).ok())
+    }
+
+    /// Returns what the output can send.
+    fn capabilities(&self) -> Capabilities {
+        match self.key_output() {
+            None => (self.backend.capabilities)(),
+            Some(keys) => Capabilities {
+                text: true,
+                ..(keys.capabilities)()
+            },
+        }
+    }
+
+    /// Returns what the output can send only if it was opened for it.
+    fn fixed_capabilities(&self) -> Capabilities {
+        let backend = self.key_output().unwrap_or(self.backend);
+        if backend.is_fixed_when_open {
+            (backend.capabilities)()
+        } else {
+            Capabilities::default()
+        }
+    }
+}
+
 /// Opens the outputs in a list of names separated by commas.
 ///
 /// A name stands for a [`Backend`], optionally followed by a colon and an argument that contains no comma. With
@@ -101,8 +130,9 @@ pub fn check_layout_change(
     let routes = routes(&outputs);
     for (index, output) in outputs.iter().enumerate() {
         let routed = routed_to(&routes, index, required);
-        let missing = routed.iter().find(|new| !opened.contains(*new));
-        if let Some(missing) = missing.filter(|_| output.backend.is_fixed_when_open) {
+        let fixed = output.fixed_capabilities();
+        let is_missing = |new: &Capability| fixed.contains(*new) && !opened.contains(*new);
+        if let Some(missing) = routed.iter().find(is_missing) {
             return Err(format!(
                 "the output `{}` was opened without {missing}; restart to use it",
                 escape(output.name)
@@ -184,7 +214,7 @@ fn parse_one(name: &str) -> Result<NamedOutput<'_>, OutputError> {
 
 fn routes(outputs: &[NamedOutput]) -> Vec<Route> {
     let route = |output: &NamedOutput| Route {
-        capabilities: (output.backend.capabilities)(),
+        capabilities: output.capabilities(),
         is_log: output.backend.is_log,
     };
     outputs.iter().map(route).collect()
@@ -273,6 +303,12 @@ mod tests {
                  add the output `spacenav`: `desktop,uinput,spacenav`",
             ),
             (
+                "ime",
+                code("PadSouth"),
+                "the layout requires `PadSouth`, which `ime` does not support; \
+                 add the output `uinput`: `ime,uinput`",
+            ),
+            (
                 "spacenav",
                 code("PadStart"),
                 "the layout requires `PadStart`, which `spacenav` does not support; \
@@ -296,7 +332,12 @@ mod tests {
         for required in pointer {
             assert_eq!(message("desktop", required), None, "{required}");
             assert_eq!(message("uinput", required), None, "{required}");
+            assert_eq!(message("ime", required), None, "{required}");
             assert!(message("spacenav", required).is_some(), "{required}");
+        }
+        for required in [code("PadSouth"), Capability::Text] {
+            assert_eq!(message("ime:uinput", required), None, "{required}");
+            assert_eq!(message("ime,uinput", required), None, "{required}");
         }
         let six_axes = [
             Capability::Axis(Axis::MoveX),

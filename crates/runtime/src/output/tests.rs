@@ -138,6 +138,23 @@ fn a_layout_that_requires_more_than_the_open_uinput_devices_have_is_rejected() {
     assert_eq!(change("desktop,none", &["PadSouth"]), Ok(()));
 }
 
+#[test]
+fn a_layout_that_requires_more_than_the_keys_of_the_input_method_can_be_is_rejected() {
+    let code = |name| Capability::Key(key(name));
+    let opened = Capabilities::from_iter([code("A")]);
+    let change = |names, required: &[Capability]| {
+        check_layout_change(names, &opened, &required.iter().copied().collect())
+    };
+    assert_eq!(change("ime:uinput", &[code("A"), Capability::Text]), Ok(()));
+    assert_eq!(
+        change("ime:uinput", &[code("Z")]).unwrap_err(),
+        "the output `ime:uinput` was opened without `Z`; restart to use it"
+    );
+    assert_eq!(change("ime", &[code("Z"), Capability::Text]), Ok(()));
+    let error = change("ime", &[code("PadSouth")]).unwrap_err();
+    assert!(error.contains("`ime` does not support"), "{error}");
+}
+
 #[cfg(all(target_os = "linux", feature = "ime"))]
 #[test]
 fn an_input_method_whose_keys_cannot_be_opened_leaves_the_desktop_as_it_is() {

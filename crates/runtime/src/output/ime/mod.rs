@@ -59,11 +59,7 @@ fn capabilities() -> Capabilities {
 }
 
 /// Returns the output for keys: the argument, or else `desktop`.
-#[cfg_attr(
-    not(all(target_os = "linux", feature = "ime")),
-    expect(dead_code, reason = "only the sink opens it")
-)]
-fn key_output(argument: Option<&str>) -> Result<&'static Backend, String> {
+pub(super) fn key_output(argument: Option<&str>) -> Result<&'static Backend, String> {
     let name = argument.unwrap_or(desktop::BACKEND.name);
     let is_allowed = [desktop::BACKEND.name, uinput::BACKEND.name].contains(&name);
     let found = BACKENDS.iter().find(|backend| backend.name == name);

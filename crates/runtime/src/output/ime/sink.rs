@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::client::Candidates;
 use super::composition::{Composition, Part, Way};
+use super::key_output;
 use super::outputs::Outputs;
-use super::{BACKEND, key_output};
 use crate::output::sentence::Place;
 use crate::output::text_field::{FocusedField, Text};
 use crate::output::{
@@ -156,7 +156,10 @@ impl Sink for Ime {
     }
 
     fn capabilities(&self) -> Capabilities {
-        (BACKEND.capabilities)()
+        Capabilities {
+            text: true,
+            ..self.outlet.outputs.keys().capabilities()
+        }
     }
 
     fn on_log_failure(&mut self, receiver: LogFailureReceiver) {
