@@ -1,6 +1,7 @@
 //! A person who reads what is typed, and corrects it.
 
 use crate::people::{Draw, Participant};
+use crate::sim::EditCounts;
 
 /// The time without strokes after which a person corrects, in seconds.
 const STILL: f64 = 0.05;
@@ -108,7 +109,7 @@ impl Proofreader {
         }
         let length = typed.chars().count();
         if !seen.is_corrected {
-            self.settled = (length, done);
+            self.settled = (length, self.stands_for(typed, done));
             self.seen = None;
             return Decision::Type;
         }
@@ -122,6 +123,21 @@ impl Proofreader {
             backspaces: self.backspaces,
             from: right,
         }
+    }
+
+    /// Returns the number of presented characters for which a text stands. `done` is their number by the lowest points of the strokes;
+    /// a key types before that point, and a chord after it, so that the text may be one character ahead or behind.
+    fn stands_for(&self, typed: &str, done: usize) -> usize {
+        let (skipped, right) = self.settled;
+        let rest: String = typed.chars().skip(skipped).collect();
+        let errors = |end: &usize| {
+            let meant: String = self.presented[right..*end].iter().collect();
+            EditCounts::new(&meant, &rest).errors()
+        };
+        let ends = [done, done + 1, done.saturating_sub(1)].into_iter();
+        // Of equal ones, the first.
+        let possible = ends.filter(|end| (right..=self.presented.len()).contains(end));
+        possible.min_by_key(errors).unwrap_or(done)
     }
 
     /// Returns the numbers of typed and of presented characters before the first that is wrong.
@@ -198,6 +214,32 @@ mod tests {
         // The second Backspace pressed nothing.
         assert_eq!(decide(&mut careful, "ax", 2.2, 2.3), Decision::Type);
         assert_eq!(decide(&mut careful, "ax", 2.6, 2.3), correct(1));
+    }
+
+    #[test]
+    fn an_error_that_stays_shifts_nothing_behind_it() {
+        for (typed, done, later) in [
+            ("axcd", 4, "axcde"),
+            // D is typed before its stroke is at its lowest point, or after it.
+            ("axcd", 3, "axcde"),
+            ("axc", 4, "axcd"),
+            // B is missing, or X is too many.
+            ("acd", 3, "acde"),
+            ("axbc", 2, "axbcd"),
+        ] {
+            let person = Participant {
+                corrects: 1e-9,
+                notice_ms: 300.0,
+                ..population(&People::Drawn(1), None, 1).remove(0)
+            };
+            let mut careless = Proofreader::new("abcdef", &person, true);
+            let mut draw = Draw::new(1, 1);
+            for now in [1.0, 1.4] {
+                let decision = careless.decide(typed, (now, now), done, &mut draw);
+                assert_eq!(decision, Decision::Type);
+            }
+            assert_eq!(careless.first_error(later), None, "{typed} {done}");
+        }
     }
 
     #[test]
