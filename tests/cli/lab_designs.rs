@@ -319,6 +319,16 @@ fn people_who_correct_leave_fewer_errors_and_press_more_keys() {
 }
 
 #[test]
+fn a_layout_on_which_no_error_can_be_corrected_is_named() {
+    let line = "lab score numpad --phrases digits --people 1 --count 1 --corrections 0.5";
+    let ended = run(line.split(' ')).done();
+    let words = "numpad.ron: it has no Backspace";
+    assert!(ended.err.contains(words), "{}", ended.err);
+    let careless = run(line.replace("0.5", "0").split(' ')).done();
+    assert!(!careless.err.contains("Backspace"), "{}", careless.err);
+}
+
+#[test]
 fn a_recorded_hand_is_replayed_on_other_layouts_with_the_limits() {
     let folder = tempfile::tempdir().expect("a folder");
     let recording = folder.path().join("typed.mcap");

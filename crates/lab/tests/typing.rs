@@ -7,7 +7,7 @@ use std::num::NonZeroUsize;
 use ademan_core::capture::{Reading, Sample};
 use ademan_core::hand::{Dof, Finger};
 use ademan_lab::measures::{PersonScore, summarize};
-use ademan_lab::people::{People, Tier, population};
+use ademan_lab::people::{Participant, People, Tier, population};
 use ademan_lab::phrases::{Corpus, PhraseSet};
 use ademan_lab::sim::fluent::SourceKind;
 use ademan_lab::trials::{Observed, Station, Watch};
@@ -160,6 +160,25 @@ fn a_layout_that_does_not_type_is_scored_by_its_tasks() {
             .flat_map(|it| &it.tasks)
             .any(|task| task.error.is_some())
     );
+}
+
+#[test]
+fn a_person_corrects_with_the_backspace_of_a_layout_be_it_a_key_or_a_chord() {
+    for layout in ["qwerty-flat", "chords-bend"] {
+        let score = |corrects| {
+            let person = Participant {
+                missed: 0.1,
+                corrects,
+                notice_ms: 300.0,
+                ..steady(&["index"])
+            };
+            Run::new(layout).of(&[person], SourceKind::Ideal).remove(0)
+        };
+        let (careless, careful) = (score(0.0), score(1.0));
+        println!("{layout}: {} {}", careless.cer(), careful.cer());
+        assert!(careful.cer() < 0.5 * careless.cer(), "{layout}");
+        assert!(careful.keystrokes > careless.keystrokes, "{layout}");
+    }
 }
 
 #[test]

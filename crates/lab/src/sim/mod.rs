@@ -54,7 +54,7 @@ pub use settings::TypistSettings;
 pub use simulated_hand::GloveCounts;
 pub use task::HandTask;
 pub use text_field::UsTextField;
-pub use text_plan::{PlanError, actions_for_text, taps_for_text};
+pub use text_plan::{PlanError, actions_for_text, backspace_of, taps_for_text};
 pub use tour::{TourStop, aimed_tour, tour, tour_text};
 pub use typing_hand::{REACH_TOLERANCE, TypingHand};
 pub use typist::{SimulatedTypist, TypistError};

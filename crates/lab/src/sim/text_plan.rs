@@ -87,6 +87,15 @@ pub fn taps_for_text(
     joined(text.chars().zip(planner.characters(text)))
 }
 
+/// Returns the tap or the chord that deletes a character in the base layer.
+pub fn backspace_of(layout: &Layout) -> Option<HandAction> {
+    let keys = layout.key_bindings();
+    let planner = Planner::new(&keys, layout.bend_chords(), &layout.multitaps);
+    let backspace = KeyAction::Key(KeyCode::BACKSPACE);
+    let stroke = planner.find(0, |action| action == backspace);
+    stroke.map(Stroke::action)
+}
+
 /// Returns the actions of all characters, or the reasons why there are none for some.
 fn joined(
     characters: impl Iterator<Item = (char, Result<Vec<HandAction>, PlanError>)>,

@@ -12,12 +12,11 @@ use super::session::{Session, Watch};
 use super::station::Station;
 use crate::contact::TargetId;
 use crate::contact::surface::{Shape, Target};
-use crate::device::{KeyAction, KeyCode};
 use crate::hand::Finger;
 use crate::layout::Layout;
 use crate::readings::{PhraseTaps, PlaneCrossing, plain};
 use crate::sim::fluent::Tap;
-use crate::sim::{EditCounts, HandAction, taps_for_text, words_per_minute};
+use crate::sim::{EditCounts, HandAction, backspace_of, taps_for_text, words_per_minute};
 
 /// The time for which the hand is clear of all keys at the start, in seconds: output is armed after 0.3 s.
 const CLEAR: f64 = 0.6;
@@ -106,12 +105,8 @@ impl Station {
             backspace: None,
         };
         if self.person.corrects > 0.0 {
-            let backspace = Some(KeyAction::Key(KeyCode::BACKSPACE));
-            let mut keys = self.layout.keys.iter();
-            let key = keys.find(|key| key.action(0) == backspace);
-            let target = key.map(|key| key.face.target);
-            let action = target.map(HandAction::tap);
-            strokes.backspace = action.and_then(|action| self.step(&action, &mut strokes));
+            let backspace = backspace_of(&self.layout);
+            strokes.backspace = backspace.and_then(|action| self.step(&action, &mut strokes));
         }
         for character in phrases.into_iter().flat_map(str::chars) {
             if strokes.known.contains_key(&character) || strokes.untypable.contains(&character) {

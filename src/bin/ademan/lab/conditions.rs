@@ -9,7 +9,7 @@ use std::thread;
 
 use ademan::document::{Document, FileKind};
 use ademan::files::OpenDocument;
-use ademan::layout::Person;
+use ademan::layout::{Layout, Person};
 use ademan::measures::{
     Conditions, FORMAT, LabResult, MAX_PEOPLE, PeopleSpec, PersonScore, ScoreError, score,
     score_decoded, summarize,
@@ -17,6 +17,7 @@ use ademan::measures::{
 use ademan::message::escape;
 use ademan::people::{Participant, People, Tier, population};
 use ademan::phrases::{Corpus, PhraseSet};
+use ademan::sim::backspace_of;
 use ademan::sim::fluent::SourceKind;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -404,6 +405,12 @@ impl Prepared {
                 "{file} cannot type these characters, which are left out of the phrases: {}",
                 characters.join(" ")
             );
+        }
+        if self.corrections > 0.0 && scores.iter().any(|it| it.characters > 0) {
+            let layout = Layout::from_document(document.clone())?;
+            if backspace_of(&layout).is_none() {
+                complain!("people correct no error on {file}: it has no Backspace");
+            }
         }
         if !first.unreached.is_empty() {
             complain!(
