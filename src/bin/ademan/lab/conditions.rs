@@ -378,7 +378,7 @@ impl Prepared {
         let file = escape(&document.file);
         let does_nothing =
             |it: &PersonScore| it.characters == 0 && it.tasks.is_empty() && it.pointing.is_none();
-        let untried = untried_of_all(scores);
+        let untried = each_once(scores.iter().flat_map(|it| it.untried.iter().cloned()));
         if scores.iter().all(does_nothing) && !untried.is_empty() {
             return Err(Failure::wrong_use(format!(
                 "cannot score {file}: a simulated hand of the lab cannot use its controls ({}); try the layout with a real hand: `ademan run`",
@@ -390,15 +390,12 @@ impl Prepared {
                 "nobody can use {file}: it has no control within reach; `ademan layout check` says what is out of reach"
             )));
         }
-        let Some(first) = scores.iter().max_by_key(|it| it.untypable.chars().count()) else {
-            return Ok(());
-        };
+        let untypable = each_once(scores.iter().flat_map(|it| it.untypable.chars()));
         if scores.iter().all(|it| it.characters == 0) {
             say!("{file} is scored by tasks: it types none of the phrases");
-        } else if !first.untypable.is_empty() {
-            let characters: Vec<String> = first
-                .untypable
-                .chars()
+        } else if !untypable.is_empty() {
+            let characters: Vec<String> = untypable
+                .into_iter()
                 .map(|it| escape(&it.to_string()).to_string())
                 .collect();
             complain!(
@@ -412,10 +409,11 @@ impl Prepared {
                 complain!("people correct no error on {file}: it has no Backspace");
             }
         }
-        if !first.unreached.is_empty() {
+        let unreached = each_once(scores.iter().flat_map(|it| it.unreached.iter().cloned()));
+        if !unreached.is_empty() {
             complain!(
                 "out of reach of some people on {file}: {}",
-                listed(&first.unreached)
+                listed(&unreached)
             );
         }
         if !untried.is_empty() {
@@ -428,18 +426,28 @@ impl Prepared {
     }
 }
 
-/// Returns the names of all controls that were not tried, each once.
-fn untried_of_all(scores: &[PersonScore]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for name in scores.iter().flat_map(|it| &it.untried) {
-        if !names.contains(name) {
-            names.push(name.clone());
+/// Returns what all people have, each once.
+fn each_once<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
+    let mut different: Vec<T> = Vec::new();
+    for one in all {
+        if !different.contains(&one) {
+            different.push(one);
         }
     }
-    names
+    different
 }
 
 fn listed(names: &[String]) -> String {
     let names: Vec<String> = names.iter().map(|it| escape(it).to_string()).collect();
     names.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_people_lack_is_named_once_in_the_order_of_the_people() {
+        assert_eq!(each_once(["Q", "P", "Q", "O"].into_iter()), ["Q", "P", "O"]);
+    }
 }
