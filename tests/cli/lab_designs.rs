@@ -309,6 +309,10 @@ fn people_who_correct_leave_fewer_errors_and_press_more_keys() {
             "lab score qwerty-flat --tier T1 --people 4 --count 3 --corrections {corrections}"
         );
         let ended = run(line.split(' ')).done();
+        let states_it = ended
+            .out
+            .contains(&format!(", corrections {corrections}, "));
+        assert_eq!(states_it, corrections != "0", "{}", ended.out);
         let [errors, ..] = row(&ended.out, "wrong characters (CER), %");
         let [keys, ..] = row(&ended.out, "keystrokes per character");
         (errors, keys)

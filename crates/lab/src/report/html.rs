@@ -106,9 +106,17 @@ fn write_page(results: &[LabResult], drawings: &[Vec<String>], page: &mut String
 
 fn write_conditions(result: &LabResult, page: &mut String) -> fmt::Result {
     let tier = result.tier.as_deref().unwrap_or("their own errors");
+    let corrections = match result.corrections {
+        0.0 => String::new(),
+        part => format!("corrections: {part}; "),
+    };
+    let decoder = match &result.decoder {
+        Some(decoder) => format!("decoder: {}; ", escape_markup(decoder)),
+        None => String::new(),
+    };
     writeln!(
         page,
-        "<p class=\"note\">{} simulated people, {} phrases each of {} (hash {}); tier: {}; source: {}; seed {}; \
+        "<p class=\"note\">{} simulated people, {} phrases each of {} (hash {}); tier: {}; source: {}; {corrections}{decoder}seed {}; \
          program {}. Every figure is simulated; ranges hold 95 % of resampled populations.</p>",
         result.scores.len(),
         result.phrases,
@@ -445,6 +453,19 @@ mod tests {
         for other in ["CER", "words/min", "bit/s"] {
             assert!(!page.contains(other), "{page}");
         }
+    }
+
+    #[test]
+    fn a_report_states_what_else_changes_its_figures() {
+        let result = LabResult {
+            corrections: 0.9,
+            decoder: Some("auto:es".to_owned()),
+            ..LabResult::unscored(1)
+        };
+        let mut page = String::new();
+        write_conditions(&result, &mut page).expect("writing to a string does not fail");
+        let words = "; corrections: 0.9; decoder: auto:es; seed";
+        assert!(page.contains(words), "{page}");
     }
 
     #[test]

@@ -16,9 +16,13 @@ pub fn print(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
         Some(tier) => format!("tier {tier}"),
         None => "their own errors".to_owned(),
     };
+    let corrections = match result.corrections {
+        0.0 => String::new(),
+        part => format!(", corrections {part}"),
+    };
     writeln!(
         out,
-        "{}: {} simulated {}, {tier}, source {}, {} phrases each of {}, seed {}",
+        "{}: {} simulated {}, {tier}, source {}{corrections}, {} phrases each of {}, seed {}",
         escape(&result.layout_file),
         result.scores.len(),
         people(result.scores.len()),
