@@ -38,7 +38,7 @@ pub struct Summary {
     pub pace_wpm: f64,
     /// Words per minute of the shortest movements, the mean of the people.
     pub fitts_wpm: Interval,
-    /// Keystrokes by presented character.
+    /// Keystrokes by transcribed character (Soukoreff & MacKenzie 2003).
     pub kspc: Interval,
     /// Strokes that pressed what was meant, by strokes.
     pub hits: Interval,
@@ -101,6 +101,11 @@ impl PersonScore {
     /// Returns insertions, deletions and substitutions.
     pub fn errors(&self) -> u64 {
         self.insertions + self.deletions + self.substitutions
+    }
+
+    /// Returns the number of characters of the typed text.
+    pub fn transcribed(&self) -> u64 {
+        self.correct + self.substitutions + self.insertions
     }
 
     /// Returns the character error rate, 0 or more.
@@ -208,7 +213,7 @@ pub fn summarize(people: &[PersonScore]) -> Summary {
             people.len() as f64,
         ),
         fitts_wpm: mean(|it| it.fitts_wpm),
-        kspc: rate(|it| it.keystrokes as f64, characters),
+        kspc: rate(|it| it.keystrokes as f64, |it| it.transcribed() as f64),
         hits: rate(|it| it.hits as f64, strokes),
         neighbor_slips: rate(|it| it.neighbor_slips as f64, strokes),
         joint_travel_deg: mean(|it| it.joint_travel_deg),
@@ -294,6 +299,28 @@ mod tests {
     use crate::measures::score::task_scores;
     use crate::measures::{Measure, compare};
     use crate::trials::TaskResult;
+
+    #[test]
+    fn characters_that_are_missing_or_too_many_do_not_change_the_keystrokes_by_character() {
+        let person = |insertions: u64, deletions: u64| PersonScore {
+            characters: 100,
+            correct: 100 - deletions,
+            insertions,
+            deletions,
+            keystrokes: 100 + insertions - deletions,
+            ..PersonScore::default()
+        };
+        for (insertions, deletions) in [(0, 0), (0, 10), (5, 0)] {
+            let summary = summarize(&[person(insertions, deletions)]);
+            assert_eq!(summary.kspc.value, 1.0, "{insertions} {deletions}");
+        }
+        // Each Backspace, and each character that it deletes, is a keystroke more.
+        let corrected = PersonScore {
+            keystrokes: 120,
+            ..person(0, 0)
+        };
+        assert_eq!(summarize(&[corrected]).kspc.value, 1.2);
+    }
 
     #[test]
     fn a_control_out_of_reach_does_not_make_tasks_faster() {

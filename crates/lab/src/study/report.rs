@@ -70,7 +70,7 @@ pub struct LayoutFigures {
     pub wpm: Option<Interval>,
     /// Insertions, deletions and substitutions by presented characters.
     pub cer: Option<Interval>,
-    /// Keystrokes by presented characters.
+    /// Keystrokes by transcribed characters.
     pub kspc: Option<Interval>,
     /// Throughput of a pointer in bits per second, the mean of the participants.
     pub throughput: Option<Interval>,
@@ -141,8 +141,7 @@ pub fn figures(trials: &[Trial], with_practice: bool) -> Vec<LayoutFigures> {
                 Some((it.cer()? * characters, characters))
             }),
             kspc: rate(&people, |it| {
-                let characters = it.characters? as f64;
-                Some((it.kspc()? * characters, characters))
+                Some((it.keystrokes? as f64, it.transcribed()? as f64))
             }),
             throughput: mean(&people, |it| Some(it.pointing?.throughput)),
             misses: rate(&people, |it| {

@@ -100,9 +100,14 @@ impl Trial {
         Some(errors as f64 / characters as f64)
     }
 
-    /// Returns keystrokes by presented characters.
+    /// Returns the number of characters of the typed text.
+    pub fn transcribed(&self) -> Option<usize> {
+        Some((self.characters? + self.insertions?).saturating_sub(self.deletions?))
+    }
+
+    /// Returns keystrokes by transcribed characters (Soukoreff & MacKenzie 2003).
     pub fn kspc(&self) -> Option<f64> {
-        let characters = self.characters.filter(|it| *it > 0)?;
+        let characters = self.transcribed().filter(|it| *it > 0)?;
         Some(self.keystrokes? as f64 / characters as f64)
     }
 
