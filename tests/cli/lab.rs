@@ -151,7 +151,7 @@ fn two_layouts_are_compared_with_the_same_people() {
         ended.out
     );
     assert!(ended.out.contains("hands up to"), "{}", ended.out);
-    let same = "lab compare qwerty-flat qwerty-flat --people 3 --count 1";
+    let same = "lab compare qwerty-flat qwerty-flat --people 6 --count 1";
     let compared = run(same.split(' ')).done();
     let verdict = "is not clearly faster or slower and makes not clearly more or fewer errors";
     assert!(compared.out.contains(verdict), "{}", compared.out);

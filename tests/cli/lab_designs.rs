@@ -171,7 +171,7 @@ fn an_improvement_that_cannot_be_kept_or_judged_is_refused_before_the_search() {
     let better = folder.path().join("better.ron");
     for (people, to, words) in [
         ("6", "/no/such/x.ron", "cannot write /no/such/x.ron"),
-        ("1", text(&better), "one person cannot show"),
+        ("5", text(&better), "fewer than 6 people cannot show"),
         ("6", "-", "the layout needs a file"),
     ] {
         let ended = run([&improve(&pad, &phrases, people, "3")[..], &["--output", to]].concat());

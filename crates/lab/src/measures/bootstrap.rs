@@ -7,6 +7,10 @@ use crate::people::Draw;
 /// The number of samples of people.
 const SAMPLES: usize = 2_000;
 
+/// The fewest people who can show a difference: fewer differ all in one direction by chance in more than one case of 20 (sign test,
+/// 2 / 2⁵), and no sample of them tells otherwise.
+pub const FEWEST_PEOPLE: usize = 6;
+
 /// A figure of all people, with the interval that holds 95 % of the figures of resampled people (percentile bootstrap).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Interval {

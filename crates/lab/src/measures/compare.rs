@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bootstrap::{Interval, bootstrap};
+use super::bootstrap::{FEWEST_PEOPLE, Interval, bootstrap};
 use super::score::{PersonScore, ratio};
 use crate::message::escape;
 
@@ -202,13 +202,17 @@ fn differences(measures: &[Measure], pairs: &[(&PersonScore, &PersonScore)]) -> 
 }
 
 impl Comparison {
-    /// Returns one sentence: what the intervals say about speed and errors, or about tasks, and for which hands it is the reverse. One
-    /// person tells nothing.
+    /// Returns one sentence: what the intervals say about speed and errors, or about tasks, and for which hands it is the reverse. Fewer
+    /// than [`FEWEST_PEOPLE`] tell nothing.
     pub fn verdict(&self) -> String {
         let people: usize = self.groups.iter().map(|group| group.people).sum();
-        if people < 2 {
+        if people < FEWEST_PEOPLE {
+            let who = match people {
+                1 => "One person".to_owned(),
+                count => format!("{count} people"),
+            };
             return format!(
-                "One person cannot show a difference between {} and {}: choose more people.",
+                "{who} cannot show a difference between {} and {}: choose {FEWEST_PEOPLE} or more.",
                 self.first, self.second
             );
         }
@@ -218,8 +222,8 @@ impl Comparison {
             Some(first) => format!("{first} and {last}"),
             None => last,
         };
-        // The interval of one person has no width, and excludes 0 whatever the person does.
-        let groups = self.groups.iter().filter(|group| group.people > 1);
+        let groups = self.groups.iter();
+        let groups = groups.filter(|group| group.people >= FEWEST_PEOPLE);
         let reversed = groups.filter(|group| {
             let pairs = group.differences.iter().zip(&self.differences).take(2);
             pairs.into_iter().any(|(own, overall)| {
@@ -296,25 +300,27 @@ mod tests {
     }
 
     #[test]
-    fn one_person_tells_no_difference_and_two_do() {
-        let one = compared(&[180.0]);
-        assert_eq!(
-            one.verdict(),
-            "One person cannot show a difference between a and b: choose more people."
-        );
-        let two = compared(&[180.0, 190.0]).verdict();
-        assert!(two.starts_with("b is 2.0 to 2.0 words/min faster"), "{two}");
+    fn five_people_tell_no_difference_and_six_do() {
+        let hands = [180.0, 181.0, 182.0, 190.0, 191.0, 192.0];
+        for (count, words) in [
+            (1, "One person cannot show a difference between a and b"),
+            (5, "5 people cannot show a difference between a and b"),
+            (6, "b is 2.0 to 2.0 words/min faster"),
+        ] {
+            let verdict = compared(&hands[..count]).verdict();
+            assert!(verdict.starts_with(words), "{verdict}");
+        }
     }
 
     #[test]
-    fn a_group_of_one_person_reverses_no_verdict() {
+    fn a_group_of_few_people_reverses_no_verdict() {
         let hands = [180.0; 7];
         let with_long = |short: f64, long: f64, count: usize| {
             let mut all = people(&hands, short);
-            all.extend(people(&[200.0, 201.0][..count], long));
+            all.extend(people(&[200.0; FEWEST_PEOPLE][..count], long));
             all
         };
-        for (count, is_reversed) in [(1, false), (2, true)] {
+        for (count, is_reversed) in [(1, false), (5, false), (6, true)] {
             let before = with_long(10.0, 14.0, count);
             let after = with_long(20.0, 13.0, count);
             let verdict = compare(("a", &before), ("b", &after))
@@ -329,7 +335,7 @@ mod tests {
     #[test]
     fn a_layout_on_which_no_task_is_done_is_not_the_faster_one() {
         let on = |done: u64| {
-            let mut own = people(&[180.0, 190.0], 0.0);
+            let mut own = people(&[180.0; FEWEST_PEOPLE], 0.0);
             for person in &mut own {
                 person.characters = 0;
                 person.tasks = vec![TaskScore {

@@ -8,7 +8,7 @@ mod score;
 mod summary;
 mod watch;
 
-pub use bootstrap::{Interval, bootstrap};
+pub use bootstrap::{FEWEST_PEOPLE, Interval, bootstrap};
 pub use compare::{Comparison, Difference, HandGroup, Measure, NotComparable, compare};
 pub use pointing::{Movement, PointingResult, Ring, distance};
 pub(crate) use result_file::Header;

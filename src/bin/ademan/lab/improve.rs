@@ -8,7 +8,7 @@ use ademan::document::{Document, FileKind};
 use ademan::files::{self, FileError, OpenDocument};
 use ademan::improve::{Found, ImproveError, MoveKind, Objective, Progress, Reference, Task};
 use ademan::layout::Layout;
-use ademan::measures::{Comparison, Interval, LabResult, compare};
+use ademan::measures::{Comparison, FEWEST_PEOPLE, Interval, LabResult, compare};
 use ademan::message::{escape, escape_path, shell_word};
 use ademan::session::counted;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -205,10 +205,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             "one phrase cannot be used to search and to judge; give at least two lines of text",
         ));
     }
-    if prepared.people() < 2 {
-        return Err(Failure::wrong_use(
-            "one person cannot show which layout is better; use --people with 2 or more",
-        ));
+    if prepared.people() < FEWEST_PEOPLE {
+        return Err(Failure::wrong_use(format!(
+            "fewer than {FEWEST_PEOPLE} people cannot show which layout is better; use --people with {FEWEST_PEOPLE} or more"
+        )));
     }
     kinds::check(&prepared, std::slice::from_ref(&document))?;
     let search = prepared.half(false)?;
