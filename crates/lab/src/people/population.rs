@@ -199,6 +199,9 @@ mod tests {
         for (plain, changed) in own.iter().zip(&tiered) {
             assert_eq!((plain.own, plain.pace_wpm), (changed.own, changed.pace_wpm));
             assert_eq!(changed.scatter, [8.0; 2]);
+            assert_eq!(changed.enslaving, plain.enslaving);
         }
+        let worst = population(&People::Drawn(4), Some(Tier::T4), 1);
+        assert!(worst.iter().all(|person| person.enslaving == 1.0));
     }
 }

@@ -16,7 +16,7 @@ named_enum! {
         T2 = "T2",
         /// 8 mm, 2 % spurious, 2 % missed.
         T3 = "T3",
-        /// 10 mm, 3 % spurious, 3 % missed.
+        /// 10 mm, 3 % spurious, 3 % missed, and neighbors that follow a pressing finger by the whole of their published fractions.
         T4 = "T4",
         /// 4 mm, an offset of 8 mm that grows by a random walk of 0.4 mm a tap, as of a board that has moved.
         Toff = "Toff",
@@ -71,6 +71,9 @@ impl Tier {
         person.slip = 0.0;
         person.missed = self.missed_and_spurious();
         person.spurious = self.missed_and_spurious();
+        if self == Self::T4 {
+            person.enslaving = 1.0;
+        }
         person.adaptation = 1.0;
     }
 }
