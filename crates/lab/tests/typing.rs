@@ -182,6 +182,26 @@ fn a_person_corrects_with_the_backspace_of_a_layout_be_it_a_key_or_a_chord() {
 }
 
 #[test]
+fn the_fastest_pace_is_of_the_movements_between_the_characters() {
+    let run = Run {
+        corpus: Corpus::from_text("one key", "aaaa").expect("a phrase"),
+        ..Run::new("qwerty-flat")
+    };
+    let person = steady(&["index"]);
+    let score = run
+        .of(std::slice::from_ref(&person), SourceKind::Ideal)
+        .remove(0);
+    // The hand stays above the key: three movements for three characters after the first.
+    let expected = 12.0 / (person.fitts_a_ms * 1e-3);
+    let difference = (score.fitts_wpm - expected).abs();
+    assert!(
+        difference < 0.01 * expected,
+        "{} {expected}",
+        score.fitts_wpm
+    );
+}
+
+#[test]
 fn characters_that_a_layout_cannot_type_are_named_and_left_out() {
     let run = Run {
         corpus: Corpus::shipped(PhraseSet::Es),

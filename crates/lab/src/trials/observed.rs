@@ -102,7 +102,7 @@ pub struct Observed {
     pub pairs: Pairs,
     /// Strokes by finger, of all hands.
     pub fingers: [u64; Finger::COUNT],
-    /// The sum of the shortest times of the movements (Fitts's law), in seconds.
+    /// The sum of the shortest times of the movements between strokes (Fitts's law), in seconds.
     pub predicted_seconds: f64,
     /// The times between strokes, in seconds.
     pub intervals: Vec<f64>,

@@ -353,11 +353,15 @@ impl Station {
         let size = self.layout.scene.target(step.targets[0]);
         let width = size.map_or(0.017, |(_, target)| width(target));
         let person = &self.person;
-        observed.predicted_seconds += if step.is_bent {
+        let shortest = if step.is_bent {
             person.fitts_a_ms * 1e-3
         } else {
             person.movement_time(plan.distance, width)
         };
+        // The time of a phrase begins with its first event.
+        if !session.strokes.is_empty() {
+            observed.predicted_seconds += shortest;
+        }
         let is_followed = !step.is_bent && session.draw.happens(self.person.spurious) && !is_exact;
         let reach = (SPURIOUS * width) as f32;
         let shift = Vec2::new(
