@@ -237,7 +237,11 @@ pub fn typable_by_all(stations: &mut [Station], corpus: &Corpus) -> (Corpus, Vec
     left_out.dedup();
     let is_kept = |character: &char| !left_out.contains(character);
     let phrases = corpus.phrases.iter();
-    let phrases = phrases.map(|phrase| phrase.chars().filter(is_kept).collect());
+    let phrases = phrases.map(|phrase| {
+        let kept: String = phrase.chars().filter(is_kept).collect();
+        // People do not see that two blanks are left around a word.
+        kept.split_whitespace().collect::<Vec<_>>().join(" ")
+    });
     let typable = Corpus {
         name: corpus.name.clone(),
         phrases: phrases.collect(),
@@ -258,6 +262,20 @@ pub fn check_pseudonym(name: &str) -> Result<(), StudyError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::Document;
+    use crate::people::{People, population};
+    use crate::sim::fluent::SourceKind;
+
+    #[test]
+    fn a_word_that_is_left_out_leaves_one_blank() {
+        let document = Document::shipped("webcam-qwerty").expect("a shipped layout");
+        let person = population(&People::Drawn(1), None, 0).remove(0);
+        let station = Station::new(&document, &person, SourceKind::Ideal).expect("a station");
+        let corpus = Corpus::from_text("numbers", "go 5 up\n5 see - it").expect("phrases");
+        let (typable, left_out) = typable_by_all(&mut [station], &corpus);
+        assert_eq!(typable.phrases, ["go up", "see it"]);
+        assert_eq!(left_out, ['-', '5']);
+    }
 
     #[test]
     fn each_layout_is_first_for_one_of_as_many_participants() {
