@@ -477,6 +477,29 @@ fn pictures_without_marks_of_other_sizes_and_damaged_ones_are_reported() {
 }
 
 #[test]
+fn pictures_that_give_no_lines_leave_no_file_in_the_way_of_the_next_try() {
+    let folder = tempfile::tempdir().unwrap();
+    let disc = vec![(DVec2::new(50.0, 60.0), WHITE)];
+    let dark = write_pictures(folder.path(), "dark", &[vec![]]);
+    let mixed = write_pictures(folder.path(), "mixed", std::slice::from_ref(&disc));
+    let second = mixed.join("1.png");
+    let mut random = fastrand::Rng::with_seed(1);
+    write_png(&second, [320, 200], &disc, &mut random);
+    let lines = folder.path().join("lines.jsonl");
+    let output = ["--output", text(&lines)];
+    for (pictures, code) in [(dark, 1), (mixed.clone(), 2)] {
+        let ended = markers(&[pictures], &output);
+        assert_eq!(ended.code, Some(code), "{}", ended.err);
+        assert!(!ended.err.contains("wrote"), "{}", ended.err);
+        assert!(!lines.exists(), "{}", ended.err);
+    }
+    fs::remove_file(second).unwrap();
+    let ended = markers(&[mixed], &output).done();
+    assert!(ended.err.contains("wrote"), "{}", ended.err);
+    assert_eq!(fs::read_to_string(&lines).unwrap().lines().count(), 1);
+}
+
+#[test]
 fn marks_that_touch_each_other_are_counted_and_give_no_false_centre() {
     let folder = tempfile::tempdir().unwrap();
     let alone = (DVec2::new(300.4, 200.7), WHITE);

@@ -53,7 +53,7 @@ pub struct OutputArgs {
 
 impl OutputArgs {
     /// Opens the destination.
-    pub fn open(&self) -> Result<Box<dyn Write>, Failure> {
+    fn open(&self) -> Result<Box<dyn Write>, Failure> {
         match &self.output {
             Some(path) => Ok(Box::new(BufWriter::new(NamedFile {
                 file: create(path)?,
@@ -87,7 +87,7 @@ impl OutputArgs {
     }
 
     /// Writes the rest of the results, and says that the file is written. Says nothing of the standard output.
-    pub fn finish(&self, mut out: impl Write) -> Result<(), Failure> {
+    fn finish(&self, mut out: impl Write) -> Result<(), Failure> {
         out.flush()?;
         if let Some(path) = &self.output {
             say!("wrote {}", escape_path(path));

@@ -115,16 +115,36 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Some(rate_hz) => rate_hz,
         None => common_rate(args)?,
     };
-    let mut out = args.output.open()?;
+    args.output.write(|out| {
+        write_lines(args, &mut readers, rate_hz, out)?;
+        for reader in &mut readers {
+            reader.finish();
+            reader.report.say(&reader.name);
+        }
+        if readers.iter().all(|reader| reader.report.marks == 0) {
+            Err(nothing_found(args, &readers))
+        } else {
+            Ok(())
+        }
+    })
+}
+
+/// Writes a line for each instant that all cameras have taken.
+fn write_lines(
+    args: &Args,
+    readers: &mut [Reader],
+    rate_hz: f64,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
     for index in 0_u64.. {
         let mut frames = Vec::new();
-        for reader in &mut readers {
+        for reader in readers.iter_mut() {
             frames.push(reader.frames.next_frame()?);
         }
         let ended = frames.iter().filter(|frame| frame.is_none()).count();
         if ended > 0 {
             if ended < frames.len() {
-                say_shorter(&readers, &frames);
+                say_shorter(readers, &frames);
             }
             break;
         }
@@ -135,16 +155,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let time_us = (index as f64 * 1e6 / rate_hz).round() as u64;
         writeln!(out, "{}", json!({"time_us": time_us, "cameras": views}))?;
     }
-    args.output.finish(out)?;
-    for reader in &mut readers {
-        reader.finish();
-        reader.report.say(&reader.name);
-    }
-    if readers.iter().all(|reader| reader.report.marks == 0) {
-        Err(nothing_found(args, &readers))
-    } else {
-        Ok(())
-    }
+    Ok(())
 }
 
 fn check(args: &Args) -> Result<(), Failure> {
