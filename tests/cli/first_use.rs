@@ -424,6 +424,28 @@ fn the_unit_is_written_to_its_folder_for_the_program_that_writes_it() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_file_of_a_person_needs_an_absolute_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let install = |config: &Path| {
+        let mut command = ademan(["system-files", "unit", "--install"]);
+        command
+            .current_dir(folder.path())
+            .env("HOME", "home")
+            .env("XDG_CONFIG_HOME", config);
+        Ended::from(command.output().unwrap())
+    };
+    let refused = install(Path::new("config"));
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("set HOME"), "{}", refused.err);
+    let mut left = std::fs::read_dir(folder.path()).unwrap();
+    assert!(left.next().is_none(), "nothing is in the working folder");
+    let config = folder.path().join("config");
+    install(&config).done();
+    assert!(config.join("systemd/user/ademan.service").is_file());
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_unit_names_a_program_with_any_letters_and_the_next_command_works() {

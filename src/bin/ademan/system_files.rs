@@ -170,12 +170,14 @@ fn launcher_word(text: &str) -> String {
 /// Writes a file to its place in the home folder.
 fn install(name: &str, program: &Path) -> Result<(), Failure> {
     let file = FILES.iter().find(|file| file.name == name);
-    let path = file.and_then(|file| Some((file, own_path(file)?)));
-    let Some((found, path)) = path else {
+    let Some((found, variable)) = file.and_then(|file| Some((file, own_variable(file)?))) else {
         return Err(Failure::wrong_use(format!(
             "only `unit` and `desktop` have a place in your home folder, not `{name}`; the help shows how to install the others with sudo"
         )));
     };
+    let path = own_path(found, variable).ok_or_else(|| {
+        Failure::wrong_use("there is no home folder; set HOME to the path of yours")
+    })?;
     let cannot_write =
         |error: FileError| Failure::job(format!("cannot write {}: {error}", escape_path(&path)));
     let text = found.text_for(program).ok_or_else(|| {
@@ -210,25 +212,29 @@ fn new_setup() -> Option<String> {
     Some(format!("mkdir -p {shown} && ademan setup new {setup}"))
 }
 
-/// Returns the path of a file in the home folder; `None` for one of the system.
-fn own_path(file: &SystemFile) -> Option<PathBuf> {
-    let variable = match file.name {
-        "unit" => "XDG_CONFIG_HOME",
-        "desktop" => "XDG_DATA_HOME",
-        _ => return None,
-    };
-    let home = Path::new(&env::var_os("HOME")?).to_owned();
+/// Returns the variable that names the folder of a file of a person; `None` for a file of the system.
+fn own_variable(file: &SystemFile) -> Option<&'static str> {
+    match file.name {
+        "unit" => Some("XDG_CONFIG_HOME"),
+        "desktop" => Some("XDG_DATA_HOME"),
+        _ => None,
+    }
+}
+
+/// Returns the path of a file in the folder that the variable names, or in the home folder; `None` without either.
+fn own_path(file: &SystemFile, variable: &str) -> Option<PathBuf> {
+    let absolute = |folder: &PathBuf| folder.is_absolute();
     let inside = file.path.strip_prefix("~/")?;
     let given = env::var_os(variable).map(PathBuf::from);
-    Some(match given.filter(|folder| folder.is_absolute()) {
+    Some(match given.filter(absolute) {
         // `.config/` and `.local/share/` are the defaults of the variables.
         Some(folder) => {
-            let inside = inside
+            let inside_folder = inside
                 .strip_prefix(".config/")
                 .or(inside.strip_prefix(".local/share/"));
-            folder.join(inside?)
+            folder.join(inside_folder?)
         }
-        None => home.join(inside),
+        None => env::home_dir().filter(absolute)?.join(inside),
     })
 }
 
