@@ -8,6 +8,8 @@ use std::process::{Child, Command, Stdio};
 use super::ademan;
 use crate::support::binary::NO_FOLDER;
 use crate::support::free_address::free_address;
+#[cfg(target_os = "linux")]
+use crate::support::run::TIMEOUT;
 use crate::support::run::accept;
 
 /// A program that is killed at the end of the test.
@@ -116,6 +118,51 @@ fn sigusr1_to_all_programs_of_the_name_ends_no_recording() {
     record.signal("USR1");
     record.signal("INT");
     assert_eq!(record.0.wait().unwrap().code(), Some(0));
+}
+
+/// Waits until a program has a handler for SIGUSR1.
+#[cfg(target_os = "linux")]
+fn wait_until_it_handles_sigusr1(program: &Running) {
+    let handles = || {
+        let path = format!("/proc/{}/status", program.0.id());
+        let status = std::fs::read_to_string(path).unwrap();
+        let caught = status.lines().find_map(|it| it.strip_prefix("SigCgt:"));
+        let mask = u64::from_str_radix(caught.unwrap().trim(), 16).unwrap();
+        mask & 1 << (10 - 1) != 0
+    };
+    let start = std::time::Instant::now();
+    while !handles() {
+        assert!(
+            start.elapsed() < TIMEOUT,
+            "it does not handle SIGUSR1 or has ended"
+        );
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn sigusr1_to_all_programs_of_the_name_ends_none_that_types_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hand.bvh");
+    let page = format!("web:{}", free_address());
+    // Without a pose, there is no file to export.
+    for (arguments, code) in [
+        (["trace", "readings"], 0),
+        (["share", &page], 0),
+        (["export", super::text(&path)], 1),
+    ] {
+        let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+        let address = listener.local_addr().unwrap();
+        let source = format!("tcp:{address}?protocol=text-line");
+        let mut program = Running::start(&[&arguments[..], &["--source", &source]].concat());
+        let _sender = accept(&listener);
+        wait_until_it_handles_sigusr1(&program);
+        program.signal("USR1");
+        program.signal("INT");
+        let ended = program.0.wait().unwrap();
+        assert_eq!(ended.code(), Some(code), "{arguments:?}");
+    }
 }
 
 #[test]

@@ -15,7 +15,7 @@ use ademan::share::{PageFolder, PageServer};
 use crossbeam_channel::bounded;
 
 use crate::failure::Failure;
-use crate::signals;
+use crate::{pause_signals, signals};
 
 /// The program that opens a page.
 const OPENER: &str = if cfg!(target_os = "macos") {
@@ -94,6 +94,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let (stop, stopped) = bounded(1);
     signals::install()?;
     signals::on_stop(move || _ = stop.try_send(()));
+    // SIGUSR1 to all programs of this name stops their typing, and no page.
+    pause_signals::install_without_session()?;
     say!("the page is at {url}; Ctrl-C ends");
     if args.open {
         open(&url);
