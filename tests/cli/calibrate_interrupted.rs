@@ -72,6 +72,32 @@ fn ctrl_z_gives_the_terminal_back_and_the_calibration_continues() {
 }
 
 #[test]
+fn a_calibration_whose_terminal_is_full_continues_after_ctrl_z() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut command = ademan(["calibrate", "--demo", "--countdown", "0.5", "--out", "mine"]);
+    command.current_dir(folder.path());
+    set_terminal(&mut command);
+    let mut screen = Screen::start_unread(&command, 200, 60);
+    screen.wait_for("full terminal", Screen::is_full);
+    signal("TSTP", screen.program.0.id());
+    screen.wait_for("stopped program", |stopped| {
+        let status = format!("/proc/{}/status", stopped.program.0.id());
+        let status = fs::read_to_string(status).expect("a process");
+        status.contains("State:\tT")
+    });
+    screen.read();
+    signal("CONT", screen.program.0.id());
+    screen.wait_until("all is drawn again", |shown| {
+        pose(shown).is_some() && shown.contains("from the side")
+    });
+    screen.type_keys("q");
+    assert_eq!(screen.wait().code(), Some(1));
+    screen.assert_restored();
+    let shown = screen.text();
+    assert!(shown.contains("was ended early"), "{shown}");
+}
+
+#[test]
 fn a_signal_ends_a_calibration_and_nothing_is_overwritten() {
     for name in ["INT", "TERM", "HUP"] {
         let (folder, mut screen) = start();

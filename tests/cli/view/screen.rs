@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::termios::{InputModes, LocalModes, OptionalActions, OutputModes, Winsize};
 use rustix::termios::{tcgetattr, tcsetattr, tcsetwinsize};
 use serialport::{SerialPort, TTYPort};
@@ -107,6 +108,12 @@ impl Screen {
     /// Reads the terminal from now on.
     pub fn read(&self) {
         self.is_read.store(true, Ordering::Relaxed);
+    }
+
+    /// Returns `true` if the terminal accepts nothing before it is read.
+    pub fn is_full(&self) -> bool {
+        let mut terminal = [PollFd::new(&self.terminal, PollFlags::OUT)];
+        poll(&mut terminal, Some(&Timespec::default())) == Ok(0)
     }
 
     /// Types keys.

@@ -122,7 +122,11 @@ impl<'a> Session<'a> {
                     takeover = terminal::takeover();
                     screen = new_screen()?;
                 }
-                screen.draw(|frame| self.screen(look).draw(frame.buffer_mut()))?;
+                match screen.draw(|frame| self.screen(look).draw(frame.buffer_mut())) {
+                    // Ctrl-Z gives the terminal back before it accepts the picture.
+                    Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                    drawn => _ = drawn?,
+                }
             }
         }
     }
