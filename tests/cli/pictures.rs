@@ -10,15 +10,21 @@ use super::{run, text};
 fn two_files_of_one_name_are_refused_before_one_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("z.out");
-    let both = ["--svg", text(&path), "--json", text(&path)];
-    let refused = run([&["layout", "show", "game"], &both[..]].concat());
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    assert!(
-        refused.err.contains("is named for two files"),
-        "{}",
-        refused.err
-    );
-    assert!(!path.exists());
+    let same = folder
+        .path()
+        .join("../")
+        .join(folder.path().file_name().unwrap());
+    for other in [&path, &same.join("z.out")] {
+        let both = ["--svg", text(&path), "--json", text(other), "--overwrite"];
+        let refused = run([&["layout", "show", "game"], &both[..]].concat());
+        assert_eq!(refused.code, Some(2), "{}", refused.err);
+        assert!(
+            refused.err.contains("is named for two files"),
+            "{}",
+            refused.err
+        );
+        assert!(!path.exists());
+    }
 }
 
 #[test]
@@ -85,8 +91,9 @@ fn a_picture_replaces_no_file_that_it_is_drawn_from() {
     let folder = tempfile::tempdir().unwrap();
     let original = fs::read_to_string("layouts/keyboards/arrows.ron").unwrap();
     let layout = super::file(&folder, "mine.ron", &original);
-    let setup = super::file(&folder, "setup.ron", "Setup()");
-    for path in [&layout, &setup] {
+    let person = super::file(&folder, "me.ron", "Person(side: \"left\")");
+    let setup = super::file(&folder, "setup.ron", "Setup(person: \"me.ron\")");
+    for path in [&layout, &setup, &person] {
         let show = ["layout", "show", &layout, "--setup", &setup];
         let refused = run([&show[..], &["--svg", path, "--overwrite"]].concat());
         assert_eq!(refused.code, Some(2), "{}", refused.err);

@@ -52,7 +52,7 @@ pub fn check_folder(path: &Path) -> Result<(), Failure> {
 }
 
 /// Returns `true` if two paths name one file, which may not exist yet.
-fn is_same_file(one: &Path, other: &Path) -> bool {
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
     one == other || resolved(one).is_some_and(|it| Some(it) == resolved(other))
 }
 

@@ -114,11 +114,15 @@ pub fn show(args: &Args) -> Result<(), Failure> {
         },
         &|| Ok(json::from_layout(layout).into_bytes()),
     ];
-    let mut read: Vec<PathBuf> = document.path.iter().chain(&args.heat).cloned().collect();
+    let person = setup.setup.person.as_deref();
+    let person = person.and_then(|name| Document::open_kind(FileKind::Person, name).ok()?.path);
+    let files_read = document.path.iter().chain(&args.heat).chain(&person);
+    let mut read: Vec<PathBuf> = files_read.cloned().collect();
     read.extend(args.setup.iter().map(PathBuf::from));
     let named: Vec<&PathBuf> = targets.into_iter().flatten().collect();
     for (index, path) in named.iter().enumerate() {
-        if named[..index].contains(path) {
+        let mut others = named[..index].iter();
+        if others.any(|other| result_files::is_same_file(path, other)) {
             return Err(Failure::wrong_use(format!(
                 "{} is named for two files; name another one",
                 escape_path(path)
