@@ -92,10 +92,15 @@ fn keep(setup: &Setup) -> Result<(), Failure> {
     };
     let path = folder.join(OWN_SETUP);
     write(setup, &folder, &path).map_err(|error| {
-        let path = escape_path(&path);
-        Failure::wrong_use(format!(
-            "cannot write {path}: {error}; change its permissions, or do not keep the setup"
-        ))
+        let shown = escape_path(&path);
+        Failure::wrong_use(match error {
+            files::FileError::Exists => format!(
+                "{shown} was written since this window opened, and is not replaced; do not keep the setup, or start again to use that one"
+            ),
+            error => format!(
+                "cannot write {shown}: {error}; change its permissions, or do not keep the setup"
+            ),
+        })
     })?;
     say!(
         "wrote {}; next time: ademan run --output desktop",
@@ -106,7 +111,7 @@ fn keep(setup: &Setup) -> Result<(), Failure> {
 
 fn write(setup: &Setup, folder: &Path, path: &Path) -> Result<(), files::FileError> {
     fs::create_dir_all(folder)?;
-    files::replace(path, setup.first_text(path).as_bytes())
+    files::write_new(path, setup.first_text(path).as_bytes())
 }
 
 #[cfg(test)]
@@ -116,6 +121,18 @@ mod tests {
     use ademan::layout::Layout;
 
     use super::*;
+
+    #[test]
+    fn a_setup_that_another_program_has_written_is_not_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let config = folder.path().join("ademan");
+        let (path, setup) = (config.join(OWN_SETUP), Setup::default());
+        write(&setup, &config, &path).expect("a file");
+        fs::write(&path, "Setup()").expect("a write");
+        let refused = write(&setup, &config, &path);
+        assert!(matches!(refused, Err(files::FileError::Exists)));
+        assert_eq!(fs::read_to_string(&path).expect("text"), "Setup()");
+    }
 
     #[test]
     fn a_mirrored_layout_is_written_once_beside_the_setup() {
