@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use crate::text_line::pressed_keys;
-use crate::{file, run, text};
+use crate::{Ended, ademan, file, run, text};
 
 /// The names of attributes in the vectors, and here.
 const NAMES: [(&str, &str); 11] = [
@@ -194,6 +194,15 @@ fn a_file_of_attributes_or_landmarks_is_named_on_standard_error() {
         );
         assert_eq!(lines(&std::fs::read_to_string(to).unwrap()).len(), 1);
     }
+    let mut command = ademan(["arm", "landmarks", attributes.as_str(), "--output", "-"]);
+    let printed: Ended = command
+        .current_dir(folder.path())
+        .output()
+        .expect("it starts")
+        .into();
+    assert_eq!(printed.err, "");
+    assert_eq!(printed.out, std::fs::read_to_string(&poses).unwrap());
+    assert!(!folder.path().join("-").exists());
 }
 
 #[test]

@@ -46,18 +46,24 @@ pub fn run(args: Args) -> Result<(), Failure> {
 /// The destination of results.
 #[derive(clap::Args)]
 pub struct OutputArgs {
-    /// File to create; standard output without it. An existing file is not overwritten
+    /// File to create; standard output without it, and for `-`. An existing file is not overwritten
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
 impl OutputArgs {
+    /// Returns the file; `None` for the standard output.
+    fn file(&self) -> Option<&Path> {
+        let named = self.output.as_deref();
+        named.filter(|path| path.as_os_str() != "-")
+    }
+
     /// Opens the destination.
     fn open(&self) -> Result<Box<dyn Write>, Failure> {
-        match &self.output {
+        match self.file() {
             Some(path) => Ok(Box::new(BufWriter::new(NamedFile {
                 file: create(path)?,
-                path: path.clone(),
+                path: path.to_owned(),
             }))),
             None => Ok(Box::new(BufWriter::new(io::stdout().lock()))),
         }
@@ -79,7 +85,7 @@ impl OutputArgs {
             }
         };
         if written.is_err()
-            && let Some(path) = &self.output
+            && let Some(path) = self.file()
         {
             let _ = fs::remove_file(path);
         }
@@ -89,7 +95,7 @@ impl OutputArgs {
     /// Writes the rest of the results, and says that the file is written. Says nothing of the standard output.
     fn finish(&self, mut out: impl Write) -> Result<(), Failure> {
         out.flush()?;
-        if let Some(path) = &self.output {
+        if let Some(path) = self.file() {
             say!("wrote {}", escape_path(path));
         }
         Ok(())
