@@ -17,7 +17,10 @@ const FIRST_LAYOUT = "qwerty-flat";
 const MAX_EVENTS = 12;
 
 const element = (id) => document.getElementById(id);
-const stages = await loadStages();
+const stages = await loadStages().catch((error) => {
+  element("state").textContent = `not loaded: ${error.message}`;
+  throw error;
+});
 
 // ---- The layout.
 

@@ -24,8 +24,7 @@ self.addEventListener("activate", (event) => {
 async function load(request) {
   const answer = await fetch(request);
   if (answer.ok && /\/(vision_|hand_landmarker|(score|full|words|recordings|e[ns])\.)/.test(new URL(request.url).pathname)) {
-    const cache = await caches.open(VERSION);
-    await cache.put(request, answer.clone()).catch(() => {});
+    await caches.open(VERSION).then((cache) => cache.put(request, answer.clone())).catch(() => {});
   }
   return answer;
 }
@@ -33,5 +32,7 @@ async function load(request) {
 self.addEventListener("fetch", (event) => {
   if (event.request.method !== "GET" || new URL(event.request.url).origin !== location.origin) return;
   const wanted = event.request.mode === "navigate" ? "./" : event.request;
-  event.respondWith(caches.match(wanted, { cacheName: VERSION, ignoreSearch: true }).then((kept) => kept ?? load(event.request)));
+  // A browser whose storage is damaged or full gets the file from the server.
+  const kept = caches.match(wanted, { cacheName: VERSION, ignoreSearch: true }).catch(() => null);
+  event.respondWith(kept.then((it) => it ?? load(event.request)));
 });

@@ -378,6 +378,23 @@ fn the_page_runs_in_a_browser_that_keeps_nothing_of_sites() {
 }
 
 #[test]
+fn a_page_whose_module_cannot_be_loaded_says_why() {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
+        return;
+    };
+    browser.call("Page.enable", json!({}));
+    let refused = "WebAssembly.instantiateStreaming = async () => { throw new Error('refused'); }";
+    browser.call(
+        "Page.addScriptToEvaluateOnNewDocument",
+        json!({ "source": refused }),
+    );
+    browser.call("Page.navigate", json!({ "url": address }));
+    browser.wait_for(LOOK, "the reason", |look| {
+        look["state"] == "not loaded: refused"
+    });
+}
+
+#[test]
 fn shortcuts_of_the_browser_change_neither_the_plan_nor_the_view() {
     let Some((mut browser, _server, address)) = browser_and_server() else {
         return;
