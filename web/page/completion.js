@@ -29,6 +29,8 @@ async function load() {
 
 /** Shows the names that may stand at the cursor. Without `isAsked`, only once a letter of one is typed. */
 function offer(isAsked) {
+  // The names may have been loaded when a person was somewhere else already.
+  if (document.activeElement !== editor) return;
   const { selectionStart, selectionEnd, value } = editor;
   const found = offersAt && selectionStart === selectionEnd ? offersAt(value, selectionStart) : null;
   if (!found || found.offers.length === 0 || (!isAsked && found.prefix === "")) {

@@ -211,3 +211,41 @@ fn the_names_are_those_that_may_stand_at_the_cursor() {
         assert_eq!(names(&mut browser, text), expected, "{text}");
     }
 }
+
+#[test]
+fn names_that_come_late_are_not_shown_to_a_person_who_is_somewhere_else() {
+    let Some((mut browser, _server, address)) = browser_and_server() else {
+        return;
+    };
+    browser.call("Page.enable", json!({}));
+    // `arrive` lets the schema arrive.
+    let late = r#"{
+        const own = fetch;
+        globalThis.fetch = async (...of) => {
+            const answer = await own(...of);
+            if (of[0] !== "layout.schema.json") return answer;
+            const schema = await answer.json();
+            await new Promise((arrive) => (globalThis.arrive = arrive));
+            return { json: async () => schema };
+        };
+    }"#;
+    browser.call(
+        "Page.addScriptToEvaluateOnNewDocument",
+        json!({ "source": late }),
+    );
+    open(&mut browser, &address);
+    let text = "Layout(\n    name: \"A\",\n    boards: [(pose: (anchor: world))],\n)\n";
+    edit(&mut browser, &format!("{text:?}"));
+    go_behind(&mut browser, "(pose: (");
+    press(&mut browser, " ");
+    let asked = "({asked: typeof globalThis.arrive})";
+    browser.wait_for(asked, "the schema is asked for", |look| {
+        look["asked"] == "function"
+    });
+    browser.evaluate("document.getElementById('text-to-type').focus()");
+    browser.evaluate("arrive()");
+    assert_eq!(browser.evaluate(LOOK)["is_open"], false);
+    go_behind(&mut browser, "(pose: (");
+    press(&mut browser, " ");
+    browser.wait_for(LOOK, "the names on demand", |look| look["is_open"] == true);
+}
