@@ -29,7 +29,7 @@ pub fn catch(run: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
     if let Some(backtrace) = BACKTRACE.get()
         && backtrace.status() == BacktraceStatus::Captured
     {
-        say!("{backtrace}");
+        complain!("{backtrace}");
     }
     match outcome {
         Ok(Err(failure)) => Err(failure),
@@ -57,7 +57,7 @@ pub fn install_hook() {
         // Resolving its symbols takes seconds, in which keys would stay down; `catch` prints it at the end.
         let _ = BACKTRACE.set(Backtrace::capture());
         let thread = thread::current();
-        say!(
+        complain!(
             "thread '{}' {panic}",
             thread.name().unwrap_or("without a name")
         );

@@ -5,6 +5,7 @@ use std::process::Command;
 use std::thread;
 use std::time::Duration;
 
+use clap::Parser;
 use crossbeam_channel::bounded;
 
 use super::{LiveView, Views};
@@ -18,6 +19,12 @@ const FLUSH_TIMEOUT: Duration = Duration::from_secs(10);
 
 const NAME: &str = "view::panic_tests::a_panic_gives_the_terminal_back";
 
+#[derive(Parser)]
+struct CommandLine {
+    #[command(flatten)]
+    messages: messages::LogArgs,
+}
+
 /// Panics again while its thread panics, which aborts the process.
 struct PanicOnDrop;
 
@@ -30,6 +37,8 @@ impl Drop for PanicOnDrop {
 fn panic_in_a_view(place: &str) {
     let (_views, receiver) = bounded(1);
     let (stop, stopped) = bounded(1);
+    let line = CommandLine::parse_from(["ademan", "--quiet"]);
+    messages::install(&line.messages).expect("no file is named");
     messages::start().expect("the thread starts");
     signals::on_stop(move || _ = stop.try_send(()));
     let outcome = panics::catch(|| {
