@@ -392,3 +392,36 @@ mod refusals {
         assert_eq!((&*ended.out, has_token), ("", false));
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_server_in_the_background_of_a_terminal_goes_on() {
+    let Some(page) = folder() else { return };
+    let home = tempfile::tempdir().expect("a folder");
+    let control = home.path().join("control");
+    let server = ademan(["serve", "--lan", "127.0.0.1", "--port", "0"]);
+    let mut shell = Command::new("sh");
+    shell
+        .args(["-c", "set -m; \"$@\" & wait", "sh"])
+        .arg(server.get_program())
+        .args(server.get_args())
+        .args(["--dir", text(&page), "--control", text(&control)])
+        .args(["--output", "none", "--allow-root"])
+        .env("XDG_CONFIG_HOME", home.path())
+        .env_remove("XDG_RUNTIME_DIR");
+    let screen = crate::view::screen::Screen::start(&shell, 120, 60);
+    let succeeds = |request: &str| {
+        let output = ademan(["ctl", "--socket", text(&control), request]).output();
+        output.expect("it starts").status.success()
+    };
+    let start = Instant::now();
+    while !succeeds("state") {
+        assert!(
+            start.elapsed() < Duration::from_secs(60),
+            "no session:\n{}",
+            screen.text()
+        );
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(succeeds("stop"), "{}", screen.text());
+}

@@ -14,7 +14,7 @@ use clap::{Command, FromArgMatches};
 use super::SessionArgs;
 use crate::failure::Failure;
 use crate::root_args::RootArgs;
-use crate::{ctl, headset_link, link, run};
+use crate::{ctl, headset_link, link, run, signal_mask};
 
 /// The port without `--port`.
 const PORT: u16 = 8443;
@@ -128,6 +128,9 @@ fn ask_for_consent(control: Option<PathBuf>) {
         return;
     }
     let listen = move || {
+        if signal_mask::block_background_reads().is_err() {
+            return;
+        }
         for line in io::stdin().lock().lines().map_while(Result::ok) {
             if line.trim() == CONSENT {
                 match allow_keys(control.clone()) {

@@ -10,4 +10,6 @@ use unix as system;
 #[cfg(not(unix))]
 use unsupported as system;
 
+#[cfg(feature = "tls")]
+pub use system::block_background_reads;
 pub use system::{block_all, block_unused};

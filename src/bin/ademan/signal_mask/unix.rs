@@ -52,6 +52,14 @@ pub fn block_unused() -> Result<(), Failure> {
     unused.thread_set_mask().map_err(failed)
 }
 
+/// Lets a read of the terminal by this thread fail while the program is in the background. Otherwise it stops the whole program.
+#[cfg(feature = "tls")]
+pub fn block_background_reads() -> Result<(), Failure> {
+    let mut stop = SigSet::empty();
+    stop.add(Signal::SIGTTIN);
+    stop.thread_block().map_err(failed)
+}
+
 /// Returns `true` if the parent process has set SIGHUP to be ignored, as `nohup` does. `false` without procfs.
 fn is_hangup_ignored() -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();

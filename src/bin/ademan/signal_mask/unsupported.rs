@@ -11,3 +11,9 @@ pub fn block_all() -> Result<(), Failure> {
 pub fn block_unused() -> Result<(), Failure> {
     Ok(())
 }
+
+/// Does nothing.
+#[cfg(feature = "tls")]
+pub fn block_background_reads() -> Result<(), Failure> {
+    Ok(())
+}
