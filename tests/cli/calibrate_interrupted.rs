@@ -111,6 +111,34 @@ fn a_signal_ends_a_calibration_and_nothing_is_overwritten() {
 }
 
 #[test]
+fn the_question_is_on_the_terminal_although_the_report_goes_to_a_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("mine.ron"), PRECIOUS).expect("a file");
+    let calibrate = ademan(["calibrate", "--demo", "--out", "mine"]);
+    let mut shell = Command::new("sh");
+    shell
+        .args(["-c", "\"$@\" > report.txt", "sh"])
+        .arg(calibrate.get_program())
+        .args(calibrate.get_args())
+        .current_dir(folder.path());
+    for (name, value) in calibrate.get_envs() {
+        match value {
+            Some(value) => shell.env(name, value),
+            None => shell.env_remove(name),
+        };
+    }
+    let mut screen = Screen::start(&shell, 80, 24);
+    screen.wait_for_text("replace mine.ron? [y/N]");
+    screen.type_keys("n\r");
+    assert!(screen.wait().success());
+    let report = fs::read_to_string(folder.path().join("report.txt")).expect("a report");
+    assert!(report.contains("mine.ron is unchanged"), "{report}");
+    assert!(!report.contains("[y/N]"), "{report}");
+    let text = fs::read_to_string(folder.path().join("mine.ron"));
+    assert_eq!(text.expect("a file"), PRECIOUS);
+}
+
+#[test]
 fn ctrl_c_at_the_question_is_a_no() {
     let (folder, mut screen) = start();
     screen.wait_for_text("replace mine.ron? [y/N]");

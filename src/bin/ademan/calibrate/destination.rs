@@ -32,7 +32,7 @@ impl Destination {
         };
         let destination = Self { path, is_forced };
         destination.check()?;
-        if destination.exists() && !is_forced && !io::stdin().is_terminal() {
+        if destination.exists() && !is_forced && !can_ask() {
             return Err(Failure::wrong_use(format!(
                 "{} exists, and there is no terminal to ask in; --force replaces it and keeps the old file as {}",
                 destination.shown(),
@@ -140,11 +140,22 @@ fn glove_name(file: &str) -> String {
     stem.to_string_lossy().into_owned()
 }
 
+/// Returns `true` if a person at a terminal can see a question and answer it.
+fn can_ask() -> bool {
+    let is_seen = io::stdout().is_terminal() || io::stderr().is_terminal();
+    is_seen && io::stdin().is_terminal()
+}
+
 /// Asks a question on the terminal. Anything but a yes is a no.
 fn ask(question: &str) -> Result<bool, Failure> {
-    let mut out = io::stdout();
-    write!(out, "{question}")?;
-    out.flush()?;
+    // The report may go to a file, in which the question is not seen.
+    let mut screen: Box<dyn Write> = if io::stdout().is_terminal() {
+        Box::new(io::stdout())
+    } else {
+        Box::new(io::stderr())
+    };
+    write!(screen, "{question}")?;
+    screen.flush()?;
     let mut answer = String::new();
     io::stdin().lock().read_line(&mut answer)?;
     Ok(matches!(answer.trim(), "y" | "Y" | "yes"))
