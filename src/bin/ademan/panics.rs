@@ -109,4 +109,15 @@ mod tests {
         assert!(check().is_err());
         assert!(catch(|| panic!("intended")).is_err());
     }
+
+    const NAME_AT_ONCE: &str =
+        "panics::tests::a_panic_is_reported_where_a_signal_ends_the_program_at_once";
+
+    #[test]
+    fn a_panic_is_reported_where_a_signal_ends_the_program_at_once() {
+        if has_own_process(NAME_AT_ONCE) {
+            signals::end_at_once_on_stop();
+            assert!(catch(|| panic!("intended")).is_err());
+        }
+    }
 }

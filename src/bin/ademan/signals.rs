@@ -52,8 +52,15 @@ pub fn end_at_once_on_stop() {
     on_stop(|| {
         // A panic here would abort the process: this also runs while another panic is reported.
         let _ = writeln!(io::stdout());
-        std::process::exit(INTERRUPTED);
+        exit_unless_panicking();
     });
+}
+
+/// Ends the process, unless this thread has a panic, whose message comes next.
+fn exit_unless_panicking() {
+    if !thread::panicking() {
+        std::process::exit(INTERRUPTED);
+    }
 }
 
 /// Makes a request only set [`is_stop_requested`], for a step that looks at it or is short.
