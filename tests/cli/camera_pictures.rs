@@ -3,10 +3,16 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+#[cfg(target_os = "linux")]
+use std::time::{Duration, Instant};
 
 use ademan::cameras::{Camera, CamerasFile, CamerasFormat};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
+#[cfg(target_os = "linux")]
+use crate::support::process::{Process, signal};
+#[cfg(target_os = "linux")]
+use crate::support::run::TIMEOUT;
 use crate::{Ended, ademan, file, run, text};
 
 const SIZE: [usize; 2] = [480, 360];
@@ -381,6 +387,35 @@ fn cameras_stay_in_step_without_a_picture_and_films_of_other_rates_are_refused()
     let resampled = markers(&films, &["--rate-hz", "25"]).done();
     let count = resampled.out.lines().count();
     assert!((10..=11).contains(&count), "{count} lines");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interruption_leaves_no_part_of_the_lines() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let film = file(&folder, "film.mp4", "");
+    let decoder = file(
+        &folder,
+        "ffmpeg",
+        "#!/bin/sh\nexec tail -f --pid=$PPID /dev/null\n",
+    );
+    fs::set_permissions(&decoder, fs::Permissions::from_mode(0o755)).unwrap();
+    let lines = folder.path().join("lines.jsonl");
+    let path = std::env::var("PATH").unwrap();
+    let path = format!("{}:{path}", text(folder.path()));
+    let mut command = ademan(["cameras", "markers", &film, "--rate-hz", "30", "--output"]);
+    command.arg(&lines).env("PATH", path);
+    let mut program = Process::start(&mut command).unwrap();
+    let start = Instant::now();
+    while !lines.exists() {
+        assert!(start.elapsed() < TIMEOUT, "no file");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    signal("INT", program.0.id());
+    assert_eq!(program.0.wait().unwrap().code(), Some(130));
+    assert!(!lines.exists());
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! SIGINT (Ctrl-C), SIGTERM and SIGHUP: an orderly end within a bounded time.
 
+use std::fs;
 use std::io::{self, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
@@ -52,6 +54,15 @@ pub fn end_at_once_on_stop() {
     on_stop(|| {
         // A panic here would abort the process: this also runs while another panic is reported.
         let _ = writeln!(io::stdout());
+        exit_unless_panicking();
+    });
+}
+
+/// Makes a request remove a file that is not complete yet, and end the process at once.
+pub fn remove_on_stop(path: &Path) {
+    let path = path.to_owned();
+    on_stop(move || {
+        let _ = fs::remove_file(&path);
         exit_unless_panicking();
     });
 }

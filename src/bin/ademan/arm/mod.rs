@@ -17,6 +17,7 @@ use ademan::files;
 use ademan::message::escape_path;
 
 use crate::failure::Failure;
+use crate::signals;
 
 /// Attributes of both arms (directions, lengths, angles) from landmarks, and back, and movements between postures
 #[derive(clap::Args)]
@@ -69,13 +70,19 @@ impl OutputArgs {
         }
     }
 
-    /// Writes results by a function to the destination. A file that did not become complete is removed: a part of the results looks like
-    /// all of them, and is in the way of the next try.
+    /// Writes results by a function to the destination. A file that did not become complete is removed, also by a signal: a part of the
+    /// results looks like all of them, and is in the way of the next try.
     pub fn write(
         &self,
         results: impl FnOnce(&mut dyn Write) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
+        if self.file().is_some() {
+            signals::install()?;
+        }
         let mut out = self.open()?;
+        if let Some(path) = self.file() {
+            signals::remove_on_stop(path);
+        }
         let written = match results(&mut out) {
             Ok(()) => self.finish(out),
             Err(failure) => {
@@ -96,6 +103,7 @@ impl OutputArgs {
     fn finish(&self, mut out: impl Write) -> Result<(), Failure> {
         out.flush()?;
         if let Some(path) = self.file() {
+            signals::end_at_once_on_stop();
             say!("wrote {}", escape_path(path));
         }
         Ok(())
