@@ -46,6 +46,8 @@ export class Boards {
   follow(hands, head, now) {
     if (this.layout !== session.layout && session.boards.length > 0) {
       this.layout = session.layout;
+      // A hand that holds a board would put the new ones at the place of the old ones.
+      this.grip = null;
       this.placeBefore(head);
       return false;
     }

@@ -284,3 +284,41 @@ fn boards_are_moved_by_their_edge_and_laid_on_a_table_below_flat_hands() {
     std::thread::sleep(Duration::from_millis(500));
     browser.save_picture("headset-table.png");
 }
+
+/// Moves the boards with a pinch beside the keys, while the layout changes. Returns whether they moved before and after the change.
+const MOVES: &str = r#"(async () => {
+  const { Boards } = await import("/headset-boards.js");
+  const { compose } = await import("/headset-joints.js");
+  const { session } = await import("/session.js");
+  const boards = new Boards();
+  const head = [0, 1.6, 0, 0, 0, 0, 1];
+  const place = () => boards.roomFromWorld.join();
+  boards.follow({}, head, 0);
+  const { targets } = session.layout.boards[0];
+  const right = Math.max(...targets.map((it) => it.pose[0] + it.half_m[0]));
+  const [x, y, z] = compose(boards.pose(0), [right + 0.02, targets[0].pose[1], 0, 0, 0, 0, 1]);
+  const pinch = (by) => {
+    const joint = (dx, dz) => [x + by + dx, y, z + dz];
+    const joints = Array.from({ length: 25 }, () => joint(0, 0));
+    [joints[0], joints[6], joints[21]] = [joint(0, 0.15), joint(-0.03, 0.06), joint(0.03, 0.06)];
+    boards.follow({ right: { joints } }, head, 0);
+    return place();
+  };
+  const held = pinch(0);
+  const before = pinch(0.1) !== held;
+  session.layout = { ...session.layout };
+  const placed = pinch(0.2);
+  return { before, after: pinch(0.3) !== placed };
+})()"#;
+
+#[test]
+fn a_hand_that_holds_a_board_does_not_move_the_boards_of_another_layout() {
+    let Some(page) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&page);
+    open(&mut browser, &address);
+    let moves = browser.evaluate(MOVES);
+    assert_eq!(moves, json!({"before": true, "after": false}));
+}
