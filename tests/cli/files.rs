@@ -100,6 +100,27 @@ fn messages_do_not_contain_typed_text() {
 }
 
 #[test]
+fn a_run_whose_recording_cannot_be_created_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let existing = file(&folder, "mine.mcap", "mine");
+    let [transcript, both] = ["typed.txt", "both"].map(|name| folder.path().join(name));
+    let output = format!("transcript:{}", text(&transcript));
+    for (recordings, reason) in [
+        (["--record", &existing, "--view", "log"], "exists"),
+        (
+            ["--record", text(&both), "--record-bvh", text(&both)],
+            "is named for two recordings",
+        ),
+    ] {
+        let arguments = ["run", "--source", "typist:hi", "--output", &output];
+        let ended = run(arguments.into_iter().chain(recordings));
+        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        assert!(ended.err.contains(reason), "{}", ended.err);
+        assert!(!transcript.exists() && !both.exists(), "{}", ended.err);
+    }
+}
+
+#[test]
 fn the_demo_writes_a_transcript_and_prints_its_statistics() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("demo.txt");
