@@ -4,6 +4,7 @@ pub mod screen;
 mod watching;
 
 use std::fs;
+use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::Command;
 
@@ -221,6 +222,25 @@ fn ctrl_z_gives_the_terminal_back_until_practice_or_a_demo_continues() {
         let mut command = ademan(arguments);
         set_terminal(&mut command);
         stop_and_continue(Screen::start(&command, 80, 24), KEYS);
+    }
+}
+
+#[test]
+fn ctrl_backslash_gives_the_terminal_back_before_it_ends_the_program() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, shown) in [
+        (["demo", "--repeat"], KEYS[0]),
+        (["calibrate", "--demo"], "q quit"),
+    ] {
+        let mut command = ademan(arguments);
+        // The system may write the memory of the program to a file there.
+        command.current_dir(folder.path());
+        set_terminal(&mut command);
+        let mut screen = Screen::start(&command, 80, 24);
+        screen.wait_for_text(shown);
+        signal("QUIT", screen.program.0.id());
+        assert_eq!(screen.wait().signal(), Some(3), "{arguments:?}");
+        screen.assert_restored();
     }
 }
 

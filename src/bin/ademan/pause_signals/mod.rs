@@ -1,4 +1,4 @@
-//! Signals that pause a session: SIGUSR1, and Ctrl-Z (SIGTSTP), which then stops the process.
+//! Signals that pause a session: SIGUSR1, and Ctrl-Z (SIGTSTP), which then stops the process. Ctrl-\ (SIGQUIT) ends it at once.
 
 #[cfg(unix)]
 mod unix;

@@ -1,4 +1,4 @@
-//! SIGUSR1 and SIGTSTP on Unix systems.
+//! SIGUSR1, SIGTSTP and SIGQUIT on Unix systems.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -9,13 +9,13 @@ use std::time::Duration;
 use ademan::command::{Command, CommandOrigin};
 use ademan::priority;
 use ademan::session::{CommandSender, Reply};
-use signal_hook::consts::signal::{SIGCONT, SIGTSTP, SIGUSR1};
+use signal_hook::consts::signal::{SIGCONT, SIGQUIT, SIGTSTP, SIGUSR1};
 use signal_hook::flag;
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 
 use crate::failure::Failure;
-use crate::view;
+use crate::{signals, view};
 
 /// Longest wait for the session; a process that hangs is stopped all the same.
 const REPLY_TIMEOUT: Duration = Duration::from_millis(500);
@@ -58,22 +58,22 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
 }
 
 /// Handles the signals until the program ends, for a program that has no session, or none yet: Ctrl-Z gives the terminal back while it is
-/// stopped. SIGUSR1 to all programs of this name does not end it, which would leave the terminal covered.
+/// stopped, and Ctrl-\ before it ends. SIGUSR1 to all programs of this name does not end it, which would leave the terminal covered.
 pub fn install_without_session() -> Result<(), Failure> {
     if IS_INSTALLED.swap(true, Ordering::SeqCst) {
         return Ok(());
     }
     let failed = |error| Failure::job(format!("cannot handle signals: {error}"));
     let last = LastRequest::watch().map_err(failed)?;
-    let mut signals = Signals::new([SIGUSR1, SIGTSTP]).map_err(failed)?;
+    let mut received = Signals::new([SIGUSR1, SIGTSTP, SIGQUIT]).map_err(failed)?;
     let handle = move || {
         // An emergency stop does not wait for other programs.
         priority::raise_thread_priority();
-        for signal in &mut signals {
-            if signal == SIGUSR1 {
-                pause(CommandOrigin::Signal);
-            } else {
-                suspend(&last);
+        for signal in &mut received {
+            match signal {
+                SIGUSR1 => pause(CommandOrigin::Signal),
+                SIGTSTP => suspend(&last),
+                _ => quit(),
             }
         }
     };
@@ -113,6 +113,13 @@ fn suspend(last: &LastRequest) {
     if !was_paused {
         let _ = request(Command::Resume);
     }
+}
+
+/// Gives the terminal back, and ends the process as without a handler. The watchdog releases the keys.
+fn quit() {
+    signals::run_last_action();
+    // It does not return.
+    let _ = emulate_default_handler(SIGQUIT);
 }
 
 /// Stops the process until it is continued, unless it was continued already. The view is closed while the process is stopped.
