@@ -166,6 +166,22 @@ fn sigusr1_to_all_programs_of_the_name_ends_none_that_types_nothing() {
 }
 
 #[test]
+fn sigusr1_ends_no_calibration_without_a_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.ron");
+    let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let source = format!("tcp:{}", listener.local_addr().unwrap());
+    let arguments = ["calibrate", "--source", &source, "--out"];
+    let mut calibrate = Running::start(&[&arguments[..], &[super::text(&path)]].concat());
+    let _sender = accept(&listener);
+    let mut out = BufReader::new(calibrate.0.stdout.take().unwrap());
+    assert!(line(&mut out).contains("pose 1"));
+    calibrate.signal("USR1");
+    calibrate.signal("INT");
+    assert_eq!(calibrate.0.wait().unwrap().code(), Some(1));
+}
+
+#[test]
 fn sigusr1_ends_no_replay_without_an_effect() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("hand.mcap");

@@ -191,6 +191,10 @@ impl Subcommand {
     fn block_signals(&self) -> Result<(), Failure> {
         match self {
             Self::Watchdog(_) => signal_mask::block_all(),
+            // They compute or measure for minutes or hours, and type nothing.
+            Self::Calibrate(_) | Self::Cameras(_) | Self::Delay(_) | Self::Lab(_) => {
+                signal_mask::block_emergency_stop()
+            }
             _ => signal_mask::block_unused(),
         }
     }

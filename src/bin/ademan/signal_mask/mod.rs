@@ -12,4 +12,4 @@ use unsupported as system;
 
 #[cfg(feature = "tls")]
 pub use system::block_background_reads;
-pub use system::{block_all, block_unused};
+pub use system::{block_all, block_emergency_stop, block_unused};

@@ -41,6 +41,18 @@ pub fn block_all() -> Result<(), Failure> {
 
 /// Ignores the signals that this program has no use for, and receives all others.
 pub fn block_unused() -> Result<(), Failure> {
+    unused().thread_set_mask().map_err(failed)
+}
+
+/// Ignores what [`block_unused`] ignores, and SIGUSR1, for a command that types nothing: the emergency stop is sent to all programs of
+/// this name.
+pub fn block_emergency_stop() -> Result<(), Failure> {
+    let mut ignored = unused();
+    ignored.add(Signal::SIGUSR1);
+    ignored.thread_set_mask().map_err(failed)
+}
+
+fn unused() -> SigSet {
     let mut unused = SigSet::all();
     for signal in USED {
         unused.remove(*signal);
@@ -49,7 +61,7 @@ pub fn block_unused() -> Result<(), Failure> {
         // The handler of this program would replace the choice of `nohup`; a blocked signal does not reach it.
         unused.add(Signal::SIGHUP);
     }
-    unused.thread_set_mask().map_err(failed)
+    unused
 }
 
 /// Lets a read of the terminal by this thread fail while the program is in the background. Otherwise it stops the whole program.

@@ -13,6 +13,11 @@ pub fn block_unused() -> Result<(), Failure> {
 }
 
 /// Does nothing.
+pub fn block_emergency_stop() -> Result<(), Failure> {
+    Ok(())
+}
+
+/// Does nothing.
 #[cfg(feature = "tls")]
 pub fn block_background_reads() -> Result<(), Failure> {
     Ok(())
