@@ -91,9 +91,10 @@ pub fn taps_for_text(
 pub fn backspace_of(layout: &Layout) -> Option<HandAction> {
     let keys = layout.key_bindings();
     let planner = Planner::new(&keys, layout.bend_chords(), &layout.multitaps);
+    let planner = planner.without_rests();
     let backspace = KeyAction::Key(KeyCode::BACKSPACE);
-    let stroke = planner.find(0, |action| action == backspace);
-    stroke.map(Stroke::action)
+    let stroke = planner.find(0, |action| action == backspace)?;
+    stroke.hand_actions().pop()
 }
 
 /// Returns the actions of all characters, or the reasons why there are none for some.
