@@ -153,7 +153,9 @@ impl Setup {
         let role = Some(permissions.role);
         (self.role, self.arm_role) = (role, role);
         if let Some(other_hand) = &mut self.other_hand {
-            (other_hand.role, other_hand.arm_role) = (role, role);
+            // Without a source of its own it has the role of the first source, and a setup that states another one is refused.
+            other_hand.role = other_hand.source.as_ref().and(role);
+            other_hand.arm_role = role;
         }
         self.max_presses_per_second = Some(permissions.rate_limit.per_second);
         self.stall_timeout_ms = own.stall_timeout_ms;
@@ -175,7 +177,11 @@ mod tests {
                           other_hand: (source: \"typist:hello\", role: Both))";
 
     fn load(permissions: Option<&Setup>) -> Result<LoadedSetup, SetupError> {
-        let recorded = RecordedSetup::default().with(kind::SETUP, "setup", GREEDY);
+        load_text(GREEDY, permissions)
+    }
+
+    fn load_text(text: &str, permissions: Option<&Setup>) -> Result<LoadedSetup, SetupError> {
+        let recorded = RecordedSetup::default().with(kind::SETUP, "setup", text);
         let settings = ReplaySettings {
             permissions,
             ..ReplaySettings::default()
@@ -213,6 +219,19 @@ mod tests {
                 "panic_keys"
             ]
         );
+    }
+
+    #[test]
+    fn both_hands_of_one_source_have_the_permissions_of_the_person() {
+        let own = Setup {
+            role: Some(SourceRole::Pointer),
+            ..Setup::default()
+        };
+        let text = "Setup(source: \"typist:hello\", role: Both, other_hand: ())";
+        let loaded = load_text(text, Some(&own)).unwrap();
+        let roles: Vec<_> = loaded.sources().map(|(_, source)| source.role).collect();
+        assert_eq!(roles, [SourceRole::Pointer]);
+        assert_eq!(loaded.ignored_permissions, ["role"]);
     }
 
     #[test]
