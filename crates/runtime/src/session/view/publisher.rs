@@ -264,7 +264,6 @@ impl ViewPublisher {
 /// Collects the changes, and publishes a view if it is due.
 impl Observer for ViewPublisher {
     fn observe(&mut self, step: &StepView, now: Instant, pipeline: &Pipeline) {
-        let is_new_layout = self.update_layout(pipeline);
         let state = (step.state, step.paused_by);
         let is_new_state = mem::replace(&mut self.state, state) != state;
         let mut is_pressed = false;
@@ -272,6 +271,8 @@ impl Observer for ViewPublisher {
             self.typed.handle(event);
             is_pressed |= self.handle(event.kind);
         }
+        // After the events, which have targets of the layout before.
+        let is_new_layout = self.update_layout(pipeline);
         self.rate.update(step.stats.source.readings, now);
         if self.viewers.load(Ordering::Relaxed) == 0 {
             // The next viewer must not see an old pose.

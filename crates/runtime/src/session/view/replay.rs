@@ -51,3 +51,49 @@ impl ReplayViews {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::setup::{ProfileSetup, Setup};
+    use ademan_core::contact::TargetId;
+    use ademan_core::device::{EventKind, Events, OutputEvent};
+    use ademan_core::snapshot::Snapshot;
+
+    #[test]
+    fn a_value_that_a_layout_resets_when_another_one_follows_is_not_shown_as_one_of_that() {
+        let profile = ProfileSetup {
+            name: "numbers".into(),
+            layout: "numpad".into(),
+            text: None,
+        };
+        let setup = Setup {
+            profiles: vec![profile],
+            ..Setup::default()
+        };
+        let loaded = setup.load_files().unwrap();
+        let names = SessionNames {
+            session: String::new(),
+            process: None,
+            profiles: loaded.profile_names().map(str::to_owned).collect(),
+            source: String::new(),
+            output: String::new(),
+        };
+        let mut views = ReplayViews::new(names, Arc::new(loaded.layout.clone()));
+        let mut pipeline = loaded.pipeline();
+        let emitted = |value| Snapshot {
+            events: Events::from_iter([OutputEvent {
+                time: Timestamp::default(),
+                kind: EventKind::Value(TargetId(3), value),
+            }]),
+            ..Snapshot::default()
+        };
+        views.update(&Snapshot::default().view(), &pipeline);
+        views.update(&emitted(1.0).view(), &pipeline);
+        pipeline.switch_profile(1, &mut Events::new());
+        let view = views.update(&emitted(0.0).view(), &pipeline);
+        let state = view.expect("a view of the next layout").state;
+        assert_eq!(state.profile, "numbers");
+        assert!(state.values.is_empty(), "{:?}", state.values);
+    }
+}
