@@ -250,6 +250,24 @@ fn ctrl_c_ends_the_wait_for_a_device() {
 }
 
 #[test]
+fn a_run_waits_for_the_device_of_its_other_hand() {
+    let folder = tempfile::tempdir().unwrap();
+    let setup = folder.path().join("two.ron");
+    let text = "Setup(source: \"typist:a\", other_hand: (source: \"serial:/dev/no-such-glove\"), \
+                layout: \"qwerty-two-flat\", output: \"none\")";
+    std::fs::write(&setup, text).unwrap();
+    let mut run = Running::start(&["run", "--wait", setup.to_str().unwrap()]);
+    let mut err = BufReader::new(run.0.stderr.take().unwrap());
+    let waiting = line(&mut err);
+    assert!(
+        waiting.starts_with("waiting: cannot open serial:/dev/no-such-glove"),
+        "{waiting}"
+    );
+    run.signal("INT");
+    assert_eq!(run.0.wait().unwrap().code(), Some(0));
+}
+
+#[test]
 fn a_run_continues_when_its_standard_error_is_closed() {
     let mut child = ademan(["run", "--source", "typist:hi"])
         .stdout(Stdio::piped())

@@ -76,27 +76,36 @@ impl Session {
     /// Tries again with increasing intervals while a device cannot be opened. Reports each reason once.
     fn wait_for(&self, uri: &SourceUri) -> Result<Option<Box<dyn Source>>, SetupError> {
         let notices = self.notices.sender();
-        let mut reported = String::new();
+        let mut reported: Option<(SourceUri, String)> = None;
         let mut back_off = BackOff::default();
         loop {
-            let reason = match self.open_unless_stopped(uri) {
-                Err(SetupError::Capture(error @ CaptureError::Open { .. })) if uri.is_device() => {
-                    error.to_string()
+            let opened = self.open_unless_stopped(uri);
+            let failure = opened.as_ref().err();
+            let Some(absent) = failure.and_then(|error| absent_device(error, uri)) else {
+                if let (Some((device, _)), Ok(Some(_))) = (reported, &opened) {
+                    notices.send(Notice::SourceFound(device));
                 }
-                opened => {
-                    if !reported.is_empty() && matches!(opened, Ok(Some(_))) {
-                        notices.send(Notice::SourceFound(uri.clone()));
-                    }
-                    return opened;
-                }
+                return opened;
             };
-            if reason != reported {
-                notices.send(Notice::WaitingForSource(reason.clone()));
-                reported = reason;
+            if reported.as_ref() != Some(&absent) {
+                notices.send(Notice::WaitingForSource(absent.1.clone()));
+                reported = Some(absent);
             }
             if self.commands.wait_for_stop(back_off.next_interval()) {
                 return Ok(None);
             }
         }
     }
+}
+
+/// Returns the device that could not be opened, and the error. `None` for an error that a wait does not end. Any of several sources may
+/// be the device, and each has the name of its URI; `first` is the first one.
+fn absent_device(failure: &SetupError, first: &SourceUri) -> Option<(SourceUri, String)> {
+    let SetupError::Capture(error @ CaptureError::Open { source_name, .. }) = failure else {
+        return None;
+    };
+    let named = source_name.parse::<SourceUri>().ok();
+    let named = named.filter(SourceUri::is_device);
+    let device = named.or_else(|| first.is_device().then(|| first.clone()))?;
+    Some((device, error.to_string()))
 }
