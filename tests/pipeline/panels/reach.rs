@@ -2,7 +2,7 @@
 
 use ademan::files::Load;
 use ademan::layout::Layout;
-use ademan::setup::{ArmSetup, LoadedSetup, Setup};
+use ademan::setup::{ArmSetup, LoadedSetup, OtherHand, Setup};
 
 use crate::rig::Rig;
 use crate::support::wearer::load_layout;
@@ -129,4 +129,25 @@ fn a_hand_without_a_glove_reaches_the_default_layout() {
         "{:?}",
         loaded.out_of_reach()
     );
+}
+
+#[test]
+fn a_glove_without_an_arm_reaches_what_the_arm_source_of_its_own_hand_reaches() {
+    let of_other = |arm_source: Option<&str>| OtherHand {
+        source: "udp:127.0.0.1:9001?protocol=lucidgloves".parse().ok(),
+        arm_source: arm_source.map(|uri| uri.parse().unwrap()),
+        ..OtherHand::default()
+    };
+    let camera = "udp:127.0.0.1:9002?protocol=body-landmarks";
+    for (arm_source, is_reached) in [(Some(camera), true), (None, false)] {
+        let setup = Setup {
+            source: "udp:127.0.0.1:9000?protocol=hand-landmarks".parse().ok(),
+            other_hand: Some(of_other(arm_source)),
+            layout: "qwerty-two-flat".into(),
+            ..Setup::default()
+        };
+        let loaded = setup.load_files().unwrap();
+        let found = report(&loaded);
+        assert_eq!(found.is_none(), is_reached, "{arm_source:?}: {found:?}");
+    }
 }

@@ -186,12 +186,16 @@ impl LoadedSetup {
     pub(super) fn typing_hand(&self, side: Side) -> TypingHand {
         let other = self.other_hand.as_ref();
         let other = other.filter(|other| other.arm.side() == side);
-        let (arm, glove) = match other {
-            Some(other) => (other.arm.clone(), &other.glove),
-            None => (self.arm.clone().for_side(side), &self.glove),
+        let (arm, glove, arm_source) = match other {
+            Some(other) => (other.arm.clone(), &other.glove, self.other_arm_source()),
+            None => (
+                self.arm.clone().for_side(side),
+                &self.glove,
+                self.setup.arm_source.as_ref(),
+            ),
         };
         match glove {
-            Some(glove) if self.setup.arm_source.is_none() => TypingHand::new(&arm, &glove.map),
+            Some(glove) if arm_source.is_none() => TypingHand::new(&arm, &glove.map),
             _ => TypingHand::without_glove(&arm),
         }
         .with_limits(&self.person.limits)
