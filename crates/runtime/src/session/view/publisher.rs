@@ -273,6 +273,10 @@ impl Observer for ViewPublisher {
         }
         // After the events, which have targets of the layout before.
         let is_new_layout = self.update_layout(pipeline);
+        if step.reading.is_none() && !pipeline.expects_readings() {
+            // No step follows that would measure it.
+            self.rate = Rate::default();
+        }
         self.rate.update(step.stats.source.readings, now);
         if self.viewers.load(Ordering::Relaxed) == 0 {
             // The next viewer must not see an old pose.

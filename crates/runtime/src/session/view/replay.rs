@@ -55,10 +55,23 @@ impl ReplayViews {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::setup::{ProfileSetup, Setup};
+    use crate::capture::{Hc11Format, Source, SourceEvent};
+    use crate::setup::{LoadedSetup, ProfileSetup, Setup};
     use ademan_core::contact::TargetId;
     use ademan_core::device::{EventKind, Events, OutputEvent};
+    use ademan_core::pipeline::PipelineState;
     use ademan_core::snapshot::Snapshot;
+
+    fn views_of(setup: &LoadedSetup) -> ReplayViews {
+        let names = SessionNames {
+            session: String::new(),
+            process: None,
+            profiles: setup.profile_names().map(str::to_owned).collect(),
+            source: String::new(),
+            output: String::new(),
+        };
+        ReplayViews::new(names, Arc::new(setup.layout.clone()))
+    }
 
     #[test]
     fn a_value_that_a_layout_resets_when_another_one_follows_is_not_shown_as_one_of_that() {
@@ -72,14 +85,7 @@ mod tests {
             ..Setup::default()
         };
         let loaded = setup.load_files().unwrap();
-        let names = SessionNames {
-            session: String::new(),
-            process: None,
-            profiles: loaded.profile_names().map(str::to_owned).collect(),
-            source: String::new(),
-            output: String::new(),
-        };
-        let mut views = ReplayViews::new(names, Arc::new(loaded.layout.clone()));
+        let mut views = views_of(&loaded);
         let mut pipeline = loaded.pipeline();
         let emitted = |value| Snapshot {
             events: Events::from_iter([OutputEvent {
@@ -95,5 +101,31 @@ mod tests {
         let state = view.expect("a view of the next layout").state;
         assert_eq!(state.profile, "numbers");
         assert!(state.values.is_empty(), "{:?}", state.values);
+    }
+
+    #[test]
+    fn a_source_that_has_stopped_has_no_readings_per_second() {
+        let loaded = Setup::default().load_files().unwrap();
+        let mut views = views_of(&loaded);
+        let mut pipeline = loaded.pipeline();
+        let typist = loaded.typist("hello", &Hc11Format::default(), 0.0, 0);
+        let mut typist = typist.unwrap();
+        let mut snapshot = Snapshot::default();
+        let mut rate = 0.0;
+        while let Ok(SourceEvent::Reading(reading)) = typist.next() {
+            pipeline.step(&reading, &mut Events::new()).unwrap();
+            snapshot.stats.source.readings += 1;
+            snapshot.reading = Some(reading);
+            if let Some(view) = views.update(&snapshot.view(), &pipeline) {
+                rate = view.state.readings_per_second;
+            }
+        }
+        assert!(rate > 10.0, "{rate} readings per second");
+        pipeline.stall(&mut Events::new());
+        snapshot.reading = None;
+        snapshot.state = PipelineState::Stalled;
+        let view = views.update(&snapshot.view(), &pipeline);
+        let state = view.expect("a view of the stall").state;
+        assert_eq!(state.readings_per_second, 0.0);
     }
 }
