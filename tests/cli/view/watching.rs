@@ -10,7 +10,9 @@ use super::{is_lit, set_terminal, stop_and_continue};
 use crate::ademan;
 use crate::support::process::{Process, signal};
 use crate::support::run::{Run, TIMEOUT};
+use ademan::layout::Fit;
 use ademan::session::control_socket::{Client, WatchClient};
+use ademan::setup::Setup;
 
 /// A run that holds the key H, and the path of its control socket.
 fn held_run() -> (Run, String) {
@@ -216,4 +218,32 @@ fn the_position_of_a_pointer_is_in_the_state_and_in_notifications() {
             return;
         }
     }
+}
+
+#[test]
+fn a_watcher_draws_the_layout_for_the_hand_of_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let [setup, socket] = ["small.ron", "c.sock"].map(|name| folder.path().join(name));
+    let text = "Setup(source: \"script:wait 60000\", output: \"none\", \
+                arm: Measured(hand_length_mm: 150, forearm_length_mm: 200))";
+    fs::write(&setup, text).unwrap();
+    let loaded = Setup::load(setup.to_str().unwrap()).unwrap();
+    let expected = loaded.load_files().unwrap().layout;
+    assert_ne!(expected.fit, Fit::default());
+    let mut command = ademan(["run", "--control"]);
+    command
+        .arg(&socket)
+        .arg(&setup)
+        .stderr(std::process::Stdio::null());
+    let _program = Process::start(&mut command).expect("it starts");
+    let start = Instant::now();
+    let mut watcher = loop {
+        if let Ok(watcher) = WatchClient::connect(&socket) {
+            break watcher;
+        }
+        assert!(start.elapsed() < TIMEOUT, "no session");
+        thread::sleep(Duration::from_millis(5));
+    };
+    let view = watcher.next_view().expect("a view").expect("a run");
+    assert_eq!(view.layout.fit, expected.fit);
 }

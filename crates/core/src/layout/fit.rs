@@ -2,6 +2,7 @@
 //! another one.
 
 use parry3d::math::Vec3;
+use serde::{Deserialize, Serialize};
 
 use super::schema::{AnchorSchema, FitSchema, PoseSchema};
 use crate::document::{Document, DocumentError};
@@ -16,8 +17,11 @@ const MIN_SCALE: f32 = 0.5;
 /// The largest factor for sizes, for an arm file with a mistake.
 const MAX_SCALE: f32 = 1.5;
 
-/// The fit of a layout to the hands of a setup.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The largest difference that is accepted from another process, in metres.
+const MAX_DIFFERENCE: f32 = 100.0;
+
+/// The fit of a layout to the hands of a setup. A process that draws the layout of another one needs it beside the text.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// The hand of everything that is not reserved for one hand.
     first: Side,
@@ -26,7 +30,8 @@ pub struct Fit {
 }
 
 /// The difference between a hand and the design hand.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "FitNumbers", into = "FitNumbers")]
 struct HandFit {
     /// The difference of [`HandReach::from_elbow`].
     from_elbow: Vec3,
@@ -37,6 +42,12 @@ struct HandFit {
     /// The differences of [`HandReach::half_bent`].
     fingertips: [Vec3; 5],
 }
+
+/// The numbers of a [`HandFit`], field by field: two differences, the factor, and the differences of the fingertips.
+type FitNumbers = [f32; 22];
+
+/// The index of the factor in [`FitNumbers`].
+const SCALE_INDEX: usize = 6;
 
 /// The fit of one board or volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,6 +166,39 @@ impl HandFit {
     }
 }
 
+impl From<HandFit> for FitNumbers {
+    fn from(fit: HandFit) -> Self {
+        let mut numbers = [0.0; 22];
+        let differences = [fit.from_elbow, fit.from_wrist].into_iter();
+        for (index, difference) in differences.chain(fit.fingertips).enumerate() {
+            let start = 3 * index;
+            let start = start + usize::from(start >= SCALE_INDEX);
+            numbers[start..start + 3].copy_from_slice(&difference.to_array());
+        }
+        numbers[SCALE_INDEX] = fit.scale;
+        numbers
+    }
+}
+
+impl TryFrom<FitNumbers> for HandFit {
+    type Error = &'static str;
+
+    fn try_from(numbers: FitNumbers) -> Result<Self, Self::Error> {
+        let scale = numbers[SCALE_INDEX];
+        let is_near = numbers.iter().all(|it| it.abs() <= MAX_DIFFERENCE);
+        if !is_near || !(MIN_SCALE..=MAX_SCALE).contains(&scale) {
+            return Err("the fit of a layout is out of range");
+        }
+        let at = |index: usize| Vec3::new(numbers[index], numbers[index + 1], numbers[index + 2]);
+        Ok(Self {
+            from_elbow: at(0),
+            from_wrist: at(3),
+            scale,
+            fingertips: std::array::from_fn(|finger| at(SCALE_INDEX + 1 + 3 * finger)),
+        })
+    }
+}
+
 impl PoseFit {
     /// The fit to the design hand.
     pub const NONE: Self = Self {
@@ -216,6 +260,20 @@ mod tests {
         let fit = Fit::new(&small, Some(&large)).unwrap();
         assert!(fit.right.scale < fit.left.scale);
         assert!(fit.right.from_elbow.z > 0.0 && fit.left.from_elbow.z < 0.0);
+    }
+
+    #[test]
+    fn a_fit_is_the_same_in_another_process_and_one_out_of_range_is_refused() {
+        let (small, large) = (arm(Side::Right, 0.16, 0.2), arm(Side::Left, 0.2, 0.27));
+        let fit = Fit::new(&small, Some(&large)).unwrap();
+        let text = serde_json::to_string(&fit).unwrap();
+        assert_eq!(serde_json::from_str::<Fit>(&text).unwrap(), fit);
+        let numbers = FitNumbers::from(fit.right);
+        for (index, number) in [(SCALE_INDEX, 0.0), (SCALE_INDEX, 2.0), (0, f32::NAN)] {
+            let mut changed = numbers;
+            changed[index] = number;
+            assert!(HandFit::try_from(changed).is_err(), "{index}: {number}");
+        }
     }
 
     #[test]

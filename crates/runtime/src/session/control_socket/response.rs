@@ -12,7 +12,7 @@ use ademan_core::contact::{Press, TargetNames};
 use ademan_core::device::{CursorPosition, OutputEvent, TimedCommand};
 use ademan_core::estimate::Rejection;
 use ademan_core::hand::Dof;
-use ademan_core::layout::Layout;
+use ademan_core::layout::{Fit, Layout};
 use ademan_core::pipeline::{PipelineState, Suppressed};
 use ademan_core::snapshot::Stats;
 use ademan_text::filter::LearnedSummary;
@@ -118,6 +118,7 @@ pub(super) fn layout_notification(layout: &Layout) -> JsonLine {
     json(&NotificationLine::Layout {
         file: &layout.file,
         text: &layout.text,
+        fit: Some(&layout.fit).filter(|fit| **fit != Fit::default()),
     })
 }
 
@@ -297,6 +298,8 @@ enum NotificationLine<'a> {
     Layout {
         file: &'a str,
         text: &'a str,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        fit: Option<&'a Fit>,
     },
     View {
         #[serde(flatten)]

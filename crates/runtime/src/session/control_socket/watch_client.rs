@@ -13,7 +13,8 @@ use crate::session::view::{
     PoseNumbers, View, ViewState, Viewer, ViewerSlot, board_poses, pose_from, viewer,
 };
 use ademan_core::contact::surface::Scene;
-use ademan_core::layout::Layout;
+use ademan_core::document::Document;
+use ademan_core::layout::{Fit, Layout};
 
 /// A connection that receives views.
 pub struct WatchClient {
@@ -28,6 +29,9 @@ enum Line {
     Layout {
         file: String,
         text: String,
+        /// The hands of the session; the design hand if it names none.
+        #[serde(default)]
+        fit: Fit,
     },
     View {
         #[serde(flatten)]
@@ -58,8 +62,8 @@ impl WatchClient {
                 self.client.no_response(&reason)
             };
             match serde_json::from_str(&line).map_err(|error| invalid(error.to_string()))? {
-                Line::Layout { file, text } => {
-                    let layout = Layout::parse(&text, &file);
+                Line::Layout { file, text, fit } => {
+                    let layout = Layout::for_hands(Document::new(file, text), fit);
                     let layout = layout.map_err(|error| invalid(error.to_string()))?;
                     self.layout = Some(Arc::new(layout));
                 }
