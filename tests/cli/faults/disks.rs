@@ -214,6 +214,12 @@ fn a_recording_that_cannot_be_started_leaves_no_file_that_refuses_the_next_one()
     let poses = ["--record-bvh", poses.to_str().expect("a path")];
     let run = ["run", "--source", "typist:h", "--record", path];
     refused("", &[&run[..], &poses].concat());
+    // One file under one name, and under two.
+    let name = folder.path().file_name().expect("a name");
+    let again = folder.path().join("..").join(name).join("run.mcap");
+    for same in [path, again.to_str().expect("a path")] {
+        refused("", &[&run[..], &["--record-bvh", same]].concat());
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The files that a session records to: all results of each step, and the poses for animation programs.
 
+use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -41,13 +42,27 @@ impl Session {
         let mut recordings = Recordings::new(self.write_failures.clone());
         let files = [&self.options.record_to, &self.options.record_bvh_to];
         (files.into_iter().flatten()).try_for_each(|path| check_file(path))?;
+        if let [Some(steps), Some(poses)] = files
+            && steps == poses
+        {
+            return Err(RecordError::Create {
+                path: steps.clone(),
+                reason: "`--record-bvh` names the same file; choose another name for it".into(),
+            });
+        }
         if let Some(path) = &self.options.record_to {
             let recorded = self.setup.recorded_setup();
             let recorded = recorded.with_packet_period(packet_period);
             recordings.record_steps(path, &recorded, may_wait)?;
         }
         if let Some(path) = &self.options.record_bvh_to {
-            recordings.record_poses(path, may_wait)?;
+            let started = recordings.record_poses(path, may_wait);
+            started.inspect_err(|_| {
+                // A further attempt must not fail because of the file of this one.
+                if let Some(steps) = &self.options.record_to {
+                    let _ = fs::remove_file(steps);
+                }
+            })?;
         }
         Ok(recordings)
     }
