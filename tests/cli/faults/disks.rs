@@ -223,6 +223,38 @@ fn a_recording_that_cannot_be_started_leaves_no_file_that_refuses_the_next_one()
 }
 
 #[test]
+fn a_recording_that_cannot_be_completed_is_reported_beside_the_failure_of_the_source() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [poses, recording] = ["hand.bvh", "run.mcap"].map(|name| folder.path().join(name));
+    let (poses, path) = (poses.to_str(), recording.to_str());
+    let (poses, path) = (poses.expect("a path"), path.expect("a path"));
+    let run = |before: &str, arguments: &[&str]| {
+        let ended = in_shell("sh", before, arguments).output();
+        let ended = ended.expect("the program starts");
+        let err = String::from_utf8_lossy(&ended.stderr).into_owned();
+        (ended.status.code(), err)
+    };
+    let typed = ["run", "--source", "typist:h", "--output", "none"];
+    let (typed_code, typed_err) = run("", &[&typed[..], &["--record-bvh", poses]].concat());
+    assert_eq!(typed_code, Some(0), "{typed_err}");
+    let text = fs::read_to_string(poses).expect("a file");
+    let last = text.trim_end().rfind('\n').expect("lines");
+    fs::write(poses, format!("{}\nno number\n", &text[..last])).expect("a file");
+    let source = format!("file:{poses}?protocol=bvh");
+    let damaged = ["run", "--source", &source, "--layout", "webcam-qwerty"];
+    let recorded = [&damaged[..], &["--output", "none", "--record", path]].concat();
+    let (code, err) = run("", &recorded);
+    assert_eq!(code, Some(3), "{err}");
+    let bytes = fs::metadata(path).expect("a recording").len();
+    fs::remove_file(path).expect("a recording");
+    // As on a disk that is full when the recording is completed.
+    let before = format!("trap '' XFSZ; ulimit -f {};", (bytes - 4096) / 512);
+    let (full_code, full) = run(&before, &recorded);
+    assert_eq!(full_code, Some(3), "{full}");
+    assert!(full.contains("is incomplete: File too large"), "{full}");
+}
+
+#[test]
 fn a_recording_that_cannot_be_written_ends_a_command_that_only_records() {
     let folder = tempfile::tempdir().expect("a folder");
     let [port, recording] = ["port", "run.mcap"].map(|name| folder.path().join(name));

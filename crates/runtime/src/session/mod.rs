@@ -323,10 +323,21 @@ impl Session {
         // The gloves free the fingers before the recording is completed, which may take seconds.
         drop(haptics);
         let record_error = recordings.finish();
+        let summary = ended.inspect_err(|_| self.report_incomplete(record_error.as_ref()))?;
         Ok(Summary {
             record_error,
-            ..ended?
+            ..summary
         })
+    }
+
+    /// Reports the reason why a recording is incomplete, unless a notice has stated one. The error of a session takes the place of the
+    /// summary that would.
+    fn report_incomplete(&self, record_error: Option<&RecordError>) {
+        if let Some(error) = record_error
+            && !self.write_failures.reasons().contains(&error.to_string())
+        {
+            tracing::error!("{error}");
+        }
     }
 
     /// Starts the feedback to the gloves.
