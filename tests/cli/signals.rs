@@ -241,6 +241,22 @@ fn a_run_waits_for_a_device_and_reports_it_once() {
 }
 
 #[test]
+fn a_run_that_cannot_record_does_not_wait_for_a_device() {
+    let recording = tempfile::NamedTempFile::new().unwrap();
+    let path = recording.path().to_str().unwrap();
+    let source = ["--source", "serial:/dev/no-such-glove"];
+    let arguments = [&["run", "--wait", "--record", path][..], &source].concat();
+    let mut run = Running::start(&arguments);
+    let mut err = BufReader::new(run.0.stderr.take().unwrap());
+    let refused = line(&mut err);
+    assert!(
+        refused.starts_with("error: cannot create the recording"),
+        "{refused}"
+    );
+    assert_eq!(run.0.wait().unwrap().code(), Some(2));
+}
+
+#[test]
 fn ctrl_c_ends_the_wait_for_a_device() {
     let mut run = Running::start(&["run", "--wait", "--source", "serial:/dev/no-such-glove"]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());

@@ -174,6 +174,7 @@ impl Session {
         if options.source.is_none() && setup.setup.source.is_none() {
             return Err(SessionError::NoSource);
         }
+        recordings::check_files(&options)?;
         if options.output.is_none() {
             output::check(&setup.setup.output, &setup.required_capabilities())?;
         }

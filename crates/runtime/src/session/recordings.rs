@@ -8,6 +8,7 @@ use crossbeam_channel::RecvTimeoutError;
 
 use super::Session;
 use super::observer::Observer;
+use super::options::SessionOptions;
 use super::write_failures::WriteFailures;
 use super::writer_thread::{QueuedSteps, WriterThread};
 use crate::capture::recording::RecordedSetup;
@@ -25,7 +26,20 @@ const FLUSH_AFTER: Duration = Duration::from_millis(500);
 /// Frames per second of a BVH file.
 const BVH_RATE_HZ: f64 = 100.0;
 
-/// Checks that the file of a recording can be created, so that no other recording is created if it cannot.
+/// Checks that the files of the recordings can be created, so that neither is created if one cannot, and no session waits for a device
+/// in vain.
+pub(super) fn check_files(options: &SessionOptions) -> Result<(), RecordError> {
+    let files = [&options.record_to, &options.record_bvh_to];
+    (files.into_iter().flatten()).try_for_each(|path| check_file(path))?;
+    match files {
+        [Some(steps), Some(poses)] if steps == poses => Err(RecordError::Create {
+            path: steps.clone(),
+            reason: "`--record-bvh` names the same file; choose another name for it".into(),
+        }),
+        _ => Ok(()),
+    }
+}
+
 fn check_file(path: &Path) -> Result<(), RecordError> {
     files::check_destination(path)
         .and_then(|()| files::check_absent(path))
@@ -40,16 +54,7 @@ impl Session {
         may_wait: bool,
     ) -> Result<Recordings, RecordError> {
         let mut recordings = Recordings::new(self.write_failures.clone());
-        let files = [&self.options.record_to, &self.options.record_bvh_to];
-        (files.into_iter().flatten()).try_for_each(|path| check_file(path))?;
-        if let [Some(steps), Some(poses)] = files
-            && steps == poses
-        {
-            return Err(RecordError::Create {
-                path: steps.clone(),
-                reason: "`--record-bvh` names the same file; choose another name for it".into(),
-            });
-        }
+        check_files(&self.options)?;
         if let Some(path) = &self.options.record_to {
             let recorded = self.setup.recorded_setup();
             let recorded = recorded.with_packet_period(packet_period);
