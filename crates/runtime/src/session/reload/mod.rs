@@ -103,6 +103,7 @@ pub fn start(
         is_recorded: policy.is_recorded,
         build,
         report,
+        reported: None,
     };
     // The session does not wait for this thread: a file system that hangs must not delay its end.
     thread::Builder::new()

@@ -124,6 +124,8 @@ pub(super) struct Worker<B, R> {
     pub is_recorded: bool,
     pub build: B,
     pub report: R,
+    /// The latest report about a file: the index of its layout, and the text.
+    pub reported: Option<(usize, String)>,
 }
 
 /// An input of the worker.
@@ -210,7 +212,7 @@ where
         match layout.poll(Instant::now()) {
             // A second activation would release what is pressed.
             Some(Ok(found)) if layout.accept_active(&found) => {
-                (self.report)(LayoutReport::ValidAgain(found.file));
+                self.report_once(index, LayoutReport::ValidAgain(found.file));
                 Ok(())
             }
             Some(found) => self.apply(index, found).map(drop),
@@ -243,8 +245,19 @@ where
             LayoutReport::Activated(_) => Ok(text),
             _ => Err(text),
         };
-        (self.report)(report);
+        self.report_once(index, report);
         Ok(outcome)
+    }
+
+    /// Reports the outcome of a change of the file of a layout, unless that of another layout with the same file was the same: two
+    /// profiles may differ only in the text decoder.
+    fn report_once(&mut self, index: usize, report: LayoutReport) {
+        let text = report.to_string();
+        let mut reported = self.reported.iter();
+        if !reported.any(|(other, said)| *other != index && *said == text) {
+            self.reported = Some((index, text));
+            (self.report)(report);
+        }
     }
 
     /// Activates a text that is not saved.
@@ -318,6 +331,7 @@ where
             }
             let found = self.layouts[index].layout.read();
             match self.apply(index, found)? {
+                Ok(text) if texts.contains(&text) => {}
                 Ok(text) => texts.push(text),
                 Err(text) => return Ok(Err(text)),
             }
@@ -364,6 +378,7 @@ mod tests {
             is_recorded: false,
             build: |_: usize, layout: &Layout| Ok(LayoutInstance::from_layout(layout)),
             report: move |report| sender.send(report).unwrap(),
+            reported: None,
         }
     }
 
@@ -404,6 +419,35 @@ mod tests {
         thread::sleep(POLL_PERIOD * 4);
         assert!(worker.poll(0).is_ok());
         assert!(reports.is_empty());
+    }
+
+    #[test]
+    fn each_save_of_a_file_that_two_profiles_use_is_reported_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ron");
+        fs::write(&path, "no layout").unwrap();
+        let path = path.to_str().unwrap();
+        let mut commands = CommandReceiver::disconnected();
+        let (sender, reports) = unbounded();
+        let link = commands.link_layouts();
+        let mut worker = worker((path, &text("A")), ChangeDetection::None, link, sender);
+        let parsed = Layout::parse(&text("A"), path).unwrap();
+        let file = WatchedFile::new(path, &text("A"), parsed.fit, Instant::now());
+        worker.layouts.push(ManagedLayout {
+            layout: ActiveLayout::new(Some(file), parsed, 1),
+            detection: ChangeDetection::None,
+        });
+        for order in [[0, 1], [0, 1], [1, 0]] {
+            for index in order {
+                let found = worker.layouts[index].layout.read();
+                assert!(worker.apply(index, found).is_ok());
+            }
+            let all: Vec<_> = reports.try_iter().collect();
+            assert!(
+                matches!(all.as_slice(), [LayoutReport::Invalid(_)]),
+                "{all:?}"
+            );
+        }
     }
 
     #[test]
