@@ -151,7 +151,11 @@ fn a_layout_a_glove_and_a_person_of_one_name_are_three_files() {
     fs::remove_file(home.0.path().join("config/ademan/gloves/mine.ron")).unwrap();
     let missing = home.run("run --source typist:a --glove mine");
     assert_eq!(missing.code, Some(2));
-    assert!(missing.err.contains("mine"), "{}", missing.err);
+    assert!(
+        missing.err.contains("mine: there is no such file"),
+        "{}",
+        missing.err
+    );
     assert!(!missing.err.contains("layouts/mine.ron"), "{}", missing.err);
 }
 

@@ -86,7 +86,11 @@ fn without_a_model_the_message_says_where_it_comes_from_before_python_starts() {
     }
     let missing = run_in(folder.path(), &["webcam", "--results", "no.json"]);
     assert_eq!(missing.code, Some(2), "{}", missing.err);
-    assert!(missing.err.contains("no.json"), "{}", missing.err);
+    assert!(
+        missing.err.contains("there is no file no.json"),
+        "{}",
+        missing.err
+    );
 }
 
 #[test]

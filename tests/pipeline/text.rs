@@ -425,7 +425,7 @@ fn a_layout_states_its_mode_in_words() {
     let error = layout("text: Automatic, ")
         .expect_err("no mode")
         .to_string();
-    assert!(error.contains("Automatic"), "{error}");
+    assert!(error.contains("unknown value `Automatic`"), "{error}");
 }
 
 #[test]
