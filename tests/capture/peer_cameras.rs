@@ -2,23 +2,16 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use ademan::cameras::{Camera, Frame, refine};
 use ademan::capture::markers::{Ray, triangulate};
 use glam::{DQuat, DVec2, DVec3};
 use serde_json::Value;
 
+use crate::support::peers::peer;
+
 /// Confidence below which a key point does not count.
 const MIN_CONFIDENCE: f64 = 0.3;
-
-fn path() -> PathBuf {
-    let folder = match std::env::var_os("ADEMAN_PEERS") {
-        Some(folder) => folder.into(),
-        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/peers"),
-    };
-    folder.join("markers/pose2sim_balancing_4cam.json")
-}
 
 fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().expect("a list").iter();
@@ -102,11 +95,10 @@ fn median_error(cameras: &[Camera], frames: &[Frame]) -> f64 {
 
 #[test]
 fn refined_cameras_show_a_person_with_a_smaller_error_than_the_published_ones() {
-    let path = path();
-    let Ok(text) = fs::read(&path) else {
-        println!("SKIPPED: there is no file {}", path.display());
+    let Some(path) = peer("markers/pose2sim_balancing_4cam.json") else {
         return;
     };
+    let text = fs::read(path).expect("a file");
     let file: Value = serde_json::from_slice(&text).unwrap();
     let described = file["cameras"].as_object().unwrap();
     let published: Vec<Camera> = described

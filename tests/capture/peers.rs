@@ -1,7 +1,5 @@
 //! Data that other programs wrote: motion capture files with positions that independent readers computed, and key points
 //! in the images of four cameras with positions that another optimiser computed.
-//!
-//! They are in the folder `ADEMAN_PEERS` (default: `../shared/peers`), which is not part of the project.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,26 +12,20 @@ use ademan::hand::{Joint, JointPositions, Side};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use serde_json::{Value, json};
 
+use crate::support::peers::peer;
+
 /// Largest difference, as a fraction of the size of the figure.
 const TOLERANCE: f64 = 1e-6;
 
 /// Positions by frame and by joint.
 type Frames = BTreeMap<u64, BTreeMap<String, [f64; 3]>>;
 
-fn folder() -> PathBuf {
-    match std::env::var_os("ADEMAN_PEERS") {
-        Some(folder) => folder.into(),
-        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/peers"),
-    }
-}
-
 /// Returns the motion capture files with their names. Prints that they are not there and returns none without their folder.
 fn files() -> Vec<(String, PathBuf)> {
-    let folder = folder().join("bvh");
-    let Ok(entries) = fs::read_dir(&folder) else {
-        println!("SKIPPED: there is no folder {}", folder.display());
+    let Some(folder) = peer("bvh") else {
         return Vec::new();
     };
+    let entries = fs::read_dir(&folder).expect("a folder");
     let paths = entries.flatten().map(|entry| entry.path());
     let files = paths.filter(|path| path.extension().is_some_and(|end| end == "bvh"));
     let name = |path: &Path| {
@@ -214,11 +206,10 @@ fn decode(hand: &str, line: &Value) -> JointPositions {
 
 #[test]
 fn the_arms_of_a_person_before_four_cameras_are_where_another_program_found_them() {
-    let path = folder().join("markers/pose2sim_balancing_4cam.json");
-    let Ok(text) = fs::read(&path) else {
-        println!("SKIPPED: there is no file {}", path.display());
+    let Some(path) = peer("markers/pose2sim_balancing_4cam.json") else {
         return;
     };
+    let text = fs::read(path).expect("a file");
     let file: Value = serde_json::from_slice(&text).unwrap();
     let names: Vec<String> = serde_json::from_value(file["keypoint_names"].clone()).unwrap();
     let cameras = file["cameras"].as_object().unwrap();

@@ -1,9 +1,10 @@
 //! Attributes of arms from landmarks, and movements between postures.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::{Value, json};
 
+use crate::support::peers::peer;
 use crate::text_line::pressed_keys;
 use crate::{Ended, ademan, file, run, text};
 
@@ -84,15 +85,8 @@ fn normalised_landmarks_have_the_attributes_of_the_reference() {
 
 /// Returns the landmarks of a recorded person in metres, frame by frame, as lines.
 fn squats() -> Option<Vec<String>> {
-    let folder = std::env::var_os("ADEMAN_PEERS").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/peers"),
-        PathBuf::from,
-    );
-    let path = folder.join("landmarks/tfjs_pose_squats_5fps.json");
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        println!("SKIPPED: there is no {}", path.display());
-        return None;
-    };
+    let path = peer("landmarks/tfjs_pose_squats_5fps.json")?;
+    let text = std::fs::read_to_string(path).expect("a text");
     let recording: Value = serde_json::from_str(&text).expect("a file of landmarks");
     let frames = recording["frames"].as_array().expect("a list of frames");
     let line = |frame: &Value| json!({ "pose_world_landmarks": frame["world"] }).to_string();

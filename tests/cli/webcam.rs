@@ -1,9 +1,10 @@
 //! `ademan webcam` and `ademan bridge webcam`: a hand in front of a camera, with the real bridge.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use crate::support::binary::ademan;
+use crate::support::peers::peer;
 use crate::{Ended, file, run, text};
 
 const MODELS: &str = "https://ai.google.dev/edge/mediapipe/solutions/vision/";
@@ -18,20 +19,6 @@ fn has_python() -> bool {
         println!("SKIPPED: there is no python3");
     }
     found.is_ok()
-}
-
-/// Returns the recorded hands beside the project; prints SKIPPED without them.
-fn recorded_hands() -> Option<PathBuf> {
-    let folder = match std::env::var_os("ADEMAN_PEERS") {
-        Some(folder) => folder.into(),
-        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/peers"),
-    };
-    let path = folder.join("landmarks/mediapipe_tasks_hands.json");
-    if !path.is_file() {
-        println!("SKIPPED: there is no {}", path.display());
-        return None;
-    }
-    Some(path)
 }
 
 /// Runs the command in an empty folder, where no model is.
@@ -144,7 +131,8 @@ fn a_python_a_camera_or_results_that_do_not_work_end_with_one_message() {
 
 #[test]
 fn recorded_hands_go_through_the_bridge_into_a_session() {
-    let Some(hands) = recorded_hands().filter(|_| has_python()) else {
+    let hands = peer("landmarks/mediapipe_tasks_hands.json");
+    let Some(hands) = hands.filter(|_| has_python()) else {
         return;
     };
     let lines = run(["bridge", "webcam", "--run", "--results", text(&hands)]).done();

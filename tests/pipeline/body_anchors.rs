@@ -1,7 +1,5 @@
 //! Boards that follow measured points of the body: shoulder, head and hip.
 
-use std::path::PathBuf;
-
 use ademan::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use ademan::capture::{Hc11Format, Reading, Sample, Source, SourceEvent};
 use ademan::device::{EventKind, Events};
@@ -15,6 +13,7 @@ use parry3d::math::Vec3;
 use crate::camera::{Camera, images};
 use crate::recorded_landmarks::recording;
 use crate::support::checked::CheckedPipeline;
+use crate::support::peers::peer;
 use crate::support::wearer::load_layout;
 
 /// The ears and the hips of a body.
@@ -311,20 +310,6 @@ fn a_box_at_the_elbow_that_a_webcam_sees_needs_no_other_anchor() {
     }
 }
 
-/// Returns a motion-capture file of other people, which not every machine has.
-fn recorded_motion(name: &str) -> Option<PathBuf> {
-    let folder = match std::env::var_os("ADEMAN_PEERS") {
-        Some(folder) => folder.into(),
-        None => PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/peers"),
-    };
-    let path = folder.join("bvh").join(name);
-    if path.is_file() {
-        return Some(path);
-    }
-    println!("SKIPPED: there is no {}", path.display());
-    None
-}
-
 /// Steps readings through a pipeline and returns the poses.
 fn poses(setup: &LoadedSetup, readings: impl IntoIterator<Item = Reading>) -> Vec<HandPose> {
     let mut pipeline = CheckedPipeline::new(setup);
@@ -390,7 +375,7 @@ fn the_landmarks_of_a_person_who_squats_show_shoulder_head_and_hip_in_their_dist
 
 #[test]
 fn a_motion_capture_of_others_shows_the_shoulder_and_neither_head_nor_hip() {
-    let Some(path) = recorded_motion("rokoko_fingers_dance.bvh") else {
+    let Some(path) = peer("bvh/rokoko_fingers_dance.bvh") else {
         return;
     };
     let source = format!("file:{}?protocol=bvh", path.display());

@@ -1,6 +1,4 @@
 //! Landmarks of people that MediaPipe found in images, with angles that another program computed from them.
-//!
-//! Reads the folder `ADEMAN_PEERS` (default: `../shared/peers` beside the project), which is not part of the project.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,21 +11,16 @@ use ademan::hand::{Dof, Finger, HandPart, Joint, JointPositions, Side};
 use glam::DVec3;
 use serde_json::Value;
 
+use crate::support::peers::peer;
+
 /// The tolerance of the expected angles, in degrees.
 const TOLERANCE_DEG: f64 = 1e-4;
 
 /// Returns the path of a recording and its content.
 pub fn recording(name: &str) -> Option<(PathBuf, Value)> {
-    let folder = match std::env::var_os("ADEMAN_PEERS") {
-        Some(folder) => folder.into(),
-        None => PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/peers"),
-    };
-    let path = folder.join("landmarks").join(name);
-    let text = std::fs::read_to_string(&path);
-    if text.is_err() {
-        println!("SKIPPED: there is no {}", path.display());
-    }
-    let content = serde_json::from_str(&text.ok()?).expect("a file of landmarks");
+    let path = peer(&format!("landmarks/{name}"))?;
+    let text = std::fs::read_to_string(&path).expect("a text");
+    let content = serde_json::from_str(&text).expect("a file of landmarks");
     Some((path, content))
 }
 

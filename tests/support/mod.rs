@@ -18,6 +18,7 @@ pub mod lucidgloves;
 pub mod oracle;
 #[cfg(target_os = "linux")]
 pub mod output_pipe;
+pub mod peers;
 pub mod press;
 pub mod process;
 pub mod program;

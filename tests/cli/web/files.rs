@@ -1,13 +1,13 @@
-//! Files that are dropped onto the page. Motion capture files of other programs are in the folder `ADEMAN_PEERS` (default:
-//! `../shared/peers`), which is not part of the project.
+//! Files that are dropped onto the page.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::json;
 
 use super::page::open;
 use super::{folder, serve};
 use crate::browser::Browser;
+use crate::support::peers::peer;
 
 const LOOK: &str = r##"({
   notice: document.getElementById("notice").textContent,
@@ -28,14 +28,10 @@ pub(super) fn drop_file(browser: &mut Browser, name: &str, bytes: &[u8]) {
 #[test]
 fn a_dropped_file_is_played_or_says_why_not() {
     let Some(page) = folder() else { return };
-    let peers = std::env::var_os("ADEMAN_PEERS").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/peers"),
-        PathBuf::from,
-    );
-    let Ok(dance) = std::fs::read_to_string(peers.join("bvh/rokoko_fingers_dance.bvh")) else {
-        println!("SKIPPED: there is no folder {}", peers.display());
+    let Some(dance) = peer("bvh/rokoko_fingers_dance.bvh") else {
         return;
     };
+    let dance = std::fs::read_to_string(dance).expect("a text");
     let Some(mut browser) = Browser::start() else {
         return;
     };
