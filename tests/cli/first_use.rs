@@ -517,6 +517,7 @@ fn verify_unit(unit: &Path, runtime: &Path) {
         .arg(unit)
         .env("XDG_RUNTIME_DIR", runtime);
     let Ok(verified) = verify.output() else {
+        println!("SKIPPED: systemd-analyze is not installed");
         return;
     };
     let errors = String::from_utf8_lossy(&verified.stderr);

@@ -163,7 +163,7 @@ fn a_hand_of_one_machine_types_on_another_with_the_role_of_its_token_and_no_toke
     // What was shared last is typed before the end of the connection is noticed.
     while !printed.contains("lost ") {
         let Ok(line) = messages.recv_timeout(TIMEOUT) else {
-            break;
+            panic!("the connection is not lost: {printed}");
         };
         printed.extend([line.as_str(), "\n"]);
     }

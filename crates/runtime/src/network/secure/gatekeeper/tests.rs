@@ -164,7 +164,8 @@ fn silent_clients_are_closed_and_take_no_place_of_another_address() {
     // One byte from time to time prolongs nothing.
     let mut slow = silent.pop().expect("a client");
     let start = Instant::now();
-    while slow.write_all(b"\x16").is_ok() && start.elapsed() < TIMEOUT {
+    while slow.write_all(b"\x16").is_ok() {
+        assert!(start.elapsed() < TIMEOUT, "it is not closed");
         thread::sleep(Duration::from_millis(100));
     }
     for mut closed in silent {
