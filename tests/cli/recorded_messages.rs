@@ -150,10 +150,7 @@ fn other_programs_read_every_stage_as_it_is_traced() {
         assert_eq!(fields["name"], line["target"]);
         let mut position = listed(&line["position"]);
         position.push(line["depth"].as_f64().expect("a number"));
-        let found = numbers(&fields, &["x_m", "y_m", "depth"]);
-        for (number, wanted) in found.iter().zip(position) {
-            assert_eq!(*number as f32, wanted as f32);
-        }
+        assert_single(&numbers(&fields, &["x_m", "y_m", "depth"]), &position);
     }
     for (message, line) in both("/presses", "presses") {
         assert_same_time(&message, &line);
@@ -168,8 +165,10 @@ fn other_programs_read_every_stage_as_it_is_traced() {
         ));
         assert_all_close(&found, &evidence);
         let neighbors = fields["neighbors"].as_array().expect("neighbors of a key");
+        let expected_neighbors = line["neighbors"].as_array().unwrap();
         assert!(!neighbors.is_empty());
-        for (neighbor, wanted) in neighbors.iter().zip(line["neighbors"].as_array().unwrap()) {
+        assert_eq!(neighbors.len(), expected_neighbors.len());
+        for (neighbor, wanted) in neighbors.iter().zip(expected_neighbors) {
             assert_eq!(neighbor["name"], wanted["target"]);
             let distance = numbers(neighbor, &["distance_m"]);
             assert_all_close(&distance, &numbers(wanted, &["distance_mm"]));

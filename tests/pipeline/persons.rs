@@ -500,13 +500,16 @@ fn each_of_eight_fingers_presses_its_columns_in_a_pangram() {
             .collect();
         println!("{side} {finger}: {own:?}");
     }
+    let mut letters_pressed = 0;
     for (side, finger, letters) in columns {
         for (by_side, by_finger, key) in &presses {
             if key.len() == 1 && letters.contains(key.as_str()) {
                 assert_eq!((*by_side, *by_finger), (side, finger), "{key}");
+                letters_pressed += 1;
             }
         }
     }
+    assert_eq!(letters_pressed, text.matches(char::is_alphabetic).count());
 }
 
 #[test]

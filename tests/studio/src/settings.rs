@@ -98,13 +98,15 @@ fn a_scale_changes_the_size_of_the_words() {
 
 #[test]
 fn the_menus_are_drawn() {
-    for (menu, name) in [
-        ("menu-view", "menu-view"),
-        ("menu-settings", "menu-settings"),
-        ("menu-help", "menu-help"),
+    for (menu, entry) in [
+        ("menu-view", "view-opaque"),
+        ("menu-settings", "theme-dark"),
+        ("menu-help", "help-tour"),
     ] {
         let mut window = Opening::default().open();
+        assert!(!window.has(text(entry)), "{menu} is closed");
         window.click(text(menu));
-        picture::draw(&mut window, name);
+        assert!(window.has(text(entry)), "{menu} is open");
+        picture::draw(&mut window, menu);
     }
 }
