@@ -3,9 +3,9 @@
 import { add, cross, dot, middle, move, scale, subtract } from "./vectors.js";
 
 const JOINTS = 25;
-export const WRIST = 0;
-export const THUMB_TIP = 4;
-export const INDEX_TIP = 9;
+const WRIST = 0;
+const THUMB_TIP = 4;
+const INDEX_TIP = 9;
 export const TIPS = [4, 9, 14, 19, 24];
 const INDEX_KNUCKLE = 6;
 const MIDDLE_KNUCKLE = 11;
