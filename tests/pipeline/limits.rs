@@ -255,7 +255,8 @@ fn system_keys_need_the_permission_of_the_setup() {
     );
     // A layout that replaces another one is checked too.
     let layout = Layout::load(&file).expect("a valid layout");
-    assert!(load(Setup::default()).layout_instance(&layout).is_err());
+    let refused = load(Setup::default()).layout_instance(&layout);
+    assert!(refused.is_err_and(|refusal| refusal.to_string() == error.to_string()));
     setup.allow_system_keys = true;
     let setup = load(setup);
     assert!(setup.layout_instance(&layout).is_ok());

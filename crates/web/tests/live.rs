@@ -185,7 +185,7 @@ fn an_edited_layout_stays_under_the_hand_and_options_are_checked() {
     let wrong = webcam
         .session
         .push_live("hand-landmarks?mirrored=perhaps", b"");
-    assert!(wrong.is_err());
+    assert!(wrong.is_err_and(|it| it.contains("instead of `perhaps`")));
     let unknown = webcam.session.push_live("hand-landmarks?zoom=2", b"");
     assert!(unknown.is_err_and(|it| it.contains("no such option")));
 }

@@ -206,7 +206,11 @@ fn the_overlap_of_a_slider_depends_on_its_rotation() {
              sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 80, rotation_deg: {turn})])])"
         )
     };
-    assert!(Layout::parse(&board(0), "t.ron").is_err());
+    let error = Layout::parse(&board(0), "t.ron").expect_err("an overlap");
+    assert_eq!(
+        error.message(),
+        "the slider `S` overlaps the key `A` of line 1 by 17 mm"
+    );
     let layout = Layout::parse(&board(90), "t.ron").unwrap();
     let widths: Vec<usize> = layout.grids(KeySize::Labelled)[0]
         .cells
