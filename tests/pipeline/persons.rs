@@ -572,7 +572,7 @@ fn narrow_joint_limits_put_keys_out_of_reach() {
 }
 
 #[test]
-fn a_person_with_a_strong_tremor_makes_errors_that_a_calm_one_does_not() {
+fn a_person_whose_presses_scatter_makes_errors_that_a_calm_one_does_not() {
     let text = "the quick brown fox jumps over the lazy dog";
     let count = |person: &str| {
         let setup = load("qwerty-flat", person);
