@@ -12,7 +12,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::support::glove::Glove;
-use crate::support::process::Process;
+use crate::support::process::{Process, signal};
 use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, postures, shipped};
 use ademan::files::OpenDocument;
 use ademan::session::control_socket::Client;
@@ -743,14 +743,9 @@ fn a_zeroed_hand_is_undone_recorded_and_replayed() {
 #[test]
 fn a_session_that_is_stopped_by_a_signal_is_said_to_give_no_answer() {
     let run = run();
-    let process = run.program.0.id().to_string();
-    let signal = |name: &str| {
-        let sent = Command::new("kill").args(["-s", name, &process]).status();
-        assert!(sent.expect("kill starts").success());
-    };
-    signal("STOP");
+    signal("STOP", run.program.0.id());
     let (code, _, err) = ctl(&run, &["state"]);
-    signal("CONT");
+    signal("CONT", run.program.0.id());
     assert_eq!(code, 1, "{err}");
     let reason = "no answer within 5 s; the program is stopped or hangs";
     assert!(err.contains(reason) && !err.contains("os error"), "{err}");

@@ -4,13 +4,16 @@ use std::collections::BTreeMap;
 use std::env;
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Write};
-use std::process::{Child, Command};
+use std::process::{Child, Command, ExitStatus};
 use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 /// The time in which each child process of a test ends, even on a busy machine.
 const LIFETIME: Duration = Duration::from_secs(600);
+
+/// The time in which a child process that was told to end, or has nothing more to do, ends even on a busy machine.
+const EXIT_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Variables of runs that may take longer: a person sets the first two, and `tests/outputs/vm`, which has a limit of its own, the others.
 const NO_LIMIT: [&str; 4] = [
@@ -29,6 +32,18 @@ impl Process {
         limit_lifetimes();
         let _lock = lock_spawning();
         command.spawn().map(Self)
+    }
+
+    /// Waits for the end of the process.
+    pub fn wait_for_exit(&mut self) -> ExitStatus {
+        let start = Instant::now();
+        loop {
+            if let Some(status) = self.0.try_wait().expect("a child process") {
+                return status;
+            }
+            assert!(start.elapsed() < EXIT_TIMEOUT, "the process does not end");
+            thread::sleep(Duration::from_millis(5));
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use super::line::PseudoTerminal;
 use crate::support::binary::ademan;
 use crate::support::full_pipe::full_pipe;
 use crate::support::press::Press;
-use crate::support::process::Process;
+use crate::support::process::{Process, signal};
 use crate::support::run::TIMEOUT;
 
 #[test]
@@ -38,10 +38,8 @@ fn a_run_with_full_streams_executes_commands_and_ends_in_order_on_one_signal() {
     assert!(state.contains(r#""paused":true"#), "{state}");
 
     let killed_at = Instant::now();
-    let process = program.0.id().to_string();
-    let kill = std::process::Command::new("kill").arg(&process).status();
-    assert!(kill.expect("kill exists").success());
-    let code = exit_code(&mut program);
+    signal("TERM", program.0.id());
+    let code = program.wait_for_exit().code();
     println!("ended after {:.1?}", killed_at.elapsed());
     assert_eq!(code, Some(0), "in order, and not by the time limit");
 }
@@ -59,15 +57,4 @@ fn connect(socket: &std::path::Path) -> Client {
         thread::sleep(Duration::from_millis(10));
     }
     panic!("the session does not start");
-}
-
-fn exit_code(program: &mut Process) -> Option<i32> {
-    let start = Instant::now();
-    while start.elapsed() < TIMEOUT {
-        if let Some(status) = program.0.try_wait().expect("a child process") {
-            return status.code();
-        }
-        thread::sleep(Duration::from_millis(5));
-    }
-    panic!("the process does not end");
 }

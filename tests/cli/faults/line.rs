@@ -5,7 +5,7 @@ use std::io::Write;
 use std::os::unix::fs::symlink;
 use std::process::Stdio;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crossbeam_channel::Receiver;
 use serialport::{SerialPort, TTYPort};
@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 use crate::support::binary::ademan;
 use crate::support::press::{Posture, glove_format};
-use crate::support::process::{Process, lock_spawning};
+use crate::support::process::{Process, lock_spawning, signal};
 use crate::support::run::{TIMEOUT, next_event, start_with_lines};
 use crate::support::wearer::packets;
 
@@ -130,22 +130,7 @@ impl SerialRun {
 
     /// Sends SIGTERM, waits for the end of the process, and returns its exit code.
     pub fn end(&mut self) -> Option<i32> {
-        let process = self.program.0.id().to_string();
-        let mut kill = std::process::Command::new("kill");
-        let sent = kill.args(["-s", "TERM", &process]).status();
-        assert!(sent.expect("kill exists").success());
-        self.exit_code()
-    }
-
-    /// Waits for the end of the process, and returns its exit code.
-    pub fn exit_code(&mut self) -> Option<i32> {
-        let start = Instant::now();
-        while start.elapsed() < TIMEOUT {
-            if let Some(status) = self.program.0.try_wait().expect("a child process") {
-                return status.code();
-            }
-            thread::sleep(Duration::from_millis(5));
-        }
-        panic!("the process does not end");
+        signal("TERM", self.program.0.id());
+        self.program.wait_for_exit().code()
     }
 }

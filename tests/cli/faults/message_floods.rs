@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use crate::support::binary::ademan;
 use crate::support::press::Press;
-use crate::support::process::Process;
+use crate::support::process::{Process, signal};
 use crate::support::run::{accept, line_receiver};
 use crate::support::wearer::packets;
 
@@ -35,9 +35,7 @@ fn text_between_packets_causes_one_message_in_ten_seconds_and_a_count() {
         sent += 1;
     }
     // The session ends with the summary of what was held back.
-    let process = program.0.id().to_string();
-    let kill = std::process::Command::new("kill").arg(&process).status();
-    assert!(kill.expect("kill exists").success());
+    signal("TERM", program.0.id());
     program.0.wait().expect("the program ends");
     let intervals = 1 + start.elapsed().as_secs() as usize / 10;
 

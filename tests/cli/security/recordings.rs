@@ -3,7 +3,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::Instant;
 
 use ademan::capture::recording::RecordedSetup;
 use ademan::layout::Layout;
@@ -17,7 +16,6 @@ use crate::support::binary::ademan;
 use crate::support::press::x11_code;
 use crate::support::process::Process;
 use crate::support::program::Program;
-use crate::support::run::TIMEOUT;
 use crate::support::x11::XServer;
 use crate::text;
 
@@ -72,14 +70,7 @@ fn replay(path: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
         .stdout(fs::File::create(&out).expect("a file"))
         .stderr(fs::File::create(&err).expect("a file"));
     let mut process = Process::start(&mut command).expect("it starts");
-    let start = Instant::now();
-    let status = loop {
-        if let Some(status) = process.0.try_wait().expect("a child process") {
-            break status;
-        }
-        assert!(start.elapsed() < TIMEOUT, "the replay hangs");
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    };
+    let status = process.wait_for_exit();
     let [out, err] = [out, err].map(|file| fs::read_to_string(file).expect("UTF-8"));
     (status.code(), out, err)
 }

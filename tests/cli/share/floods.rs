@@ -5,7 +5,7 @@ use std::fs;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::path::PathBuf;
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -103,18 +103,6 @@ impl Shared {
     fn descriptors(&self) -> usize {
         let folder = format!("/proc/{}/fd", self.program.0.id());
         fs::read_dir(folder).expect("the program runs").count()
-    }
-
-    /// Waits until the program has ended.
-    fn wait(&mut self) -> ExitStatus {
-        let start = Instant::now();
-        loop {
-            if let Some(status) = self.program.0.try_wait().expect("a child process") {
-                return status;
-            }
-            assert!(start.elapsed() < TIMEOUT, "the program does not end");
-            thread::sleep(Duration::from_millis(5));
-        }
     }
 }
 
@@ -234,7 +222,7 @@ fn a_run_under_floods_ends_by_the_command_stop_and_with_its_source() {
             let reply = client.request(r#"{"command":"stop"}"#).expect("a reply");
             assert!(reply.contains("true"), "{reply}");
         }
-        let status = shared.wait();
+        let status = shared.program.wait_for_exit();
         is_over.store(true, Ordering::Relaxed);
         for flood in floods {
             flood.join().expect("it ends");

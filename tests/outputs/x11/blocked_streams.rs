@@ -50,16 +50,9 @@ fn a_key_is_released_when_the_finger_lifts_or_the_cable_is_pulled_and_the_run_en
     glove.unplug();
     wait_for_release(&server, unplugged_at, "unplugged");
     let killed_at = Instant::now();
-    let process = program.0.id().to_string();
-    let kill = std::process::Command::new("kill").arg(&process).status();
-    assert!(kill.expect("kill exists").success());
-    let mut status = None;
-    wait_for(|| {
-        status = program.0.try_wait().expect("a child process");
-        status.is_some()
-    });
+    signal("TERM", program.0.id());
+    let status = program.wait_for_exit();
     println!("ended after {:.1?}", killed_at.elapsed());
-    let status = status.expect("the program ends");
     assert_eq!(
         status.code(),
         Some(0),
@@ -118,10 +111,5 @@ fn a_transcript_on_a_full_disk_is_reported_and_the_desktop_continues() {
     }
     assert!(program.0.try_wait().expect("a child process").is_none());
     signal("INT", program.0.id());
-    let mut status = None;
-    wait_for(|| {
-        status = program.0.try_wait().expect("a child process");
-        status.is_some()
-    });
-    assert_eq!(status.expect("it ends").code(), Some(1));
+    assert_eq!(program.wait_for_exit().code(), Some(1));
 }
