@@ -3,39 +3,20 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpListener;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 
 use super::ademan;
 use crate::support::binary::NO_FOLDER;
 use crate::support::free_address::free_address;
+use crate::support::process::{Process, signal};
 #[cfg(target_os = "linux")]
 use crate::support::run::TIMEOUT;
 use crate::support::run::accept;
 
-/// A program that is killed at the end of the test.
-struct Running(Child);
-
-impl Running {
-    fn start(arguments: &[&str]) -> Self {
-        let child = ademan(arguments)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn();
-        Self(child.unwrap())
-    }
-
-    fn signal(&self, name: &str) {
-        let pid = self.0.id().to_string();
-        let sent = Command::new("kill").args(["-s", name, &pid]).status();
-        assert!(sent.unwrap().success());
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
+fn start(arguments: &[&str]) -> Process {
+    let mut command = ademan(arguments);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    Process::start(&mut command).unwrap()
 }
 
 /// Returns the next line. Fails at the end, which a test would otherwise read again and again.
@@ -48,12 +29,12 @@ fn line(reader: &mut impl BufRead) -> String {
 
 #[test]
 fn a_run_releases_all_keys_on_a_signal_and_succeeds() {
-    for signal in ["INT", "TERM", "HUP"] {
+    for name in ["INT", "TERM", "HUP"] {
         let text = "typist:a text that takes longer than this test";
-        let mut run = Running::start(&["run", "--source", text, "--armed"]);
+        let mut run = start(&["run", "--source", text, "--armed"]);
         let mut out = BufReader::new(run.0.stdout.take().unwrap());
         assert!(line(&mut out).contains("down A"));
-        run.signal(signal);
+        signal(name, run.0.id());
         let mut rest = String::new();
         out.read_to_string(&mut rest).unwrap();
         assert_eq!(
@@ -61,7 +42,7 @@ fn a_run_releases_all_keys_on_a_signal_and_succeeds() {
             rest.matches("down ").count() + 1,
             "{rest}"
         );
-        assert_eq!(run.0.wait().unwrap().code(), Some(0), "{signal}");
+        assert_eq!(run.0.wait().unwrap().code(), Some(0), "{name}");
     }
 }
 
@@ -94,10 +75,10 @@ fn server_without_answers() -> (std::os::fd::OwnedFd, Vec<std::os::fd::OwnedFd>,
 fn a_run_whose_server_does_not_answer_ends_on_a_signal() {
     let (_server, _clients, address) = server_without_answers();
     let source = format!("tcp:{address}?protocol=text-line");
-    let mut run = Running::start(&["run", "--source", &source]);
+    let mut run = start(&["run", "--source", &source]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());
     while !line(&mut err).contains("only a pointer") {}
-    run.signal("INT");
+    signal("INT", run.0.id());
     let mut rest = String::new();
     err.read_to_string(&mut rest).unwrap();
     assert!(!rest.contains("timed out"), "{rest}");
@@ -111,18 +92,18 @@ fn sigusr1_to_all_programs_of_the_name_ends_no_recording() {
     let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
     let address = listener.local_addr().unwrap();
     let source = format!("tcp:{address}?protocol=text-line");
-    let mut record = Running::start(&["record", super::text(&path), "--source", &source]);
+    let mut record = start(&["record", super::text(&path), "--source", &source]);
     let _sender = accept(&listener);
     let mut err = BufReader::new(record.0.stderr.take().unwrap());
     while !line(&mut err).starts_with("recording to ") {}
-    record.signal("USR1");
-    record.signal("INT");
+    signal("USR1", record.0.id());
+    signal("INT", record.0.id());
     assert_eq!(record.0.wait().unwrap().code(), Some(0));
 }
 
 /// Waits until a program has a handler for SIGUSR1.
 #[cfg(target_os = "linux")]
-fn wait_until_it_handles_sigusr1(program: &Running) {
+fn wait_until_it_handles_sigusr1(program: &Process) {
     let handles = || {
         let path = format!("/proc/{}/status", program.0.id());
         let status = std::fs::read_to_string(path).unwrap();
@@ -155,11 +136,11 @@ fn sigusr1_to_all_programs_of_the_name_ends_none_that_types_nothing() {
         let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
         let address = listener.local_addr().unwrap();
         let source = format!("tcp:{address}?protocol=text-line");
-        let mut program = Running::start(&[&arguments[..], &["--source", &source]].concat());
+        let mut program = start(&[&arguments[..], &["--source", &source]].concat());
         let _sender = accept(&listener);
         wait_until_it_handles_sigusr1(&program);
-        program.signal("USR1");
-        program.signal("INT");
+        signal("USR1", program.0.id());
+        signal("INT", program.0.id());
         let ended = program.0.wait().unwrap();
         assert_eq!(ended.code(), Some(code), "{arguments:?}");
     }
@@ -172,12 +153,12 @@ fn sigusr1_ends_no_calibration_without_a_terminal() {
     let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
     let source = format!("tcp:{}", listener.local_addr().unwrap());
     let arguments = ["calibrate", "--source", &source, "--out"];
-    let mut calibrate = Running::start(&[&arguments[..], &[super::text(&path)]].concat());
+    let mut calibrate = start(&[&arguments[..], &[super::text(&path)]].concat());
     let _sender = accept(&listener);
     let mut out = BufReader::new(calibrate.0.stdout.take().unwrap());
     assert!(line(&mut out).contains("pose 1"));
-    calibrate.signal("USR1");
-    calibrate.signal("INT");
+    signal("USR1", calibrate.0.id());
+    signal("INT", calibrate.0.id());
     assert_eq!(calibrate.0.wait().unwrap().code(), Some(1));
 }
 
@@ -187,10 +168,10 @@ fn sigusr1_ends_no_replay_without_an_effect() {
     let path = folder.path().join("hand.mcap");
     let path = super::text(&path);
     super::run(["record", path, "--source", "typist:a text"]).done();
-    let mut replay = Running::start(&["replay", path, "--speed", "1"]);
+    let mut replay = start(&["replay", path, "--speed", "1"]);
     let mut out = BufReader::new(replay.0.stdout.take().unwrap());
     assert!(line(&mut out).contains("down A"));
-    replay.signal("USR1");
+    signal("USR1", replay.0.id());
     let mut rest = String::new();
     out.read_to_string(&mut rest).unwrap();
     assert!(rest.contains("up   T"), "{rest}");
@@ -199,10 +180,10 @@ fn sigusr1_ends_no_replay_without_an_effect() {
 
 #[test]
 fn a_demo_that_is_interrupted_fails() {
-    let mut demo = Running::start(&["demo"]);
+    let mut demo = start(&["demo"]);
     let mut out = BufReader::new(demo.0.stdout.take().unwrap());
     line(&mut out);
-    demo.signal("INT");
+    signal("INT", demo.0.id());
     assert_eq!(demo.0.wait().unwrap().code(), Some(1));
     let mut err = String::new();
     demo.0
@@ -222,7 +203,7 @@ fn a_demo_that_is_interrupted_fails() {
 fn a_run_waits_for_a_device_and_reports_it_once() {
     let address = free_address();
     let source = format!("tcp:{address}");
-    let mut run = Running::start(&["run", "--wait", "--role", "both", "--source", &source]);
+    let mut run = start(&["run", "--wait", "--role", "both", "--source", &source]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());
     let waiting = line(&mut err);
     assert!(
@@ -236,7 +217,7 @@ fn a_run_waits_for_a_device_and_reports_it_once() {
     let mut glove = accept(&listener);
     glove.write_all(&[0; 10]).unwrap();
     assert!(line(&mut err).starts_with("found tcp:"));
-    run.signal("INT");
+    signal("INT", run.0.id());
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
 }
 
@@ -246,7 +227,7 @@ fn a_run_that_cannot_record_does_not_wait_for_a_device() {
     let path = recording.path().to_str().unwrap();
     let source = ["--source", "serial:/dev/no-such-glove"];
     let arguments = [&["run", "--wait", "--record", path][..], &source].concat();
-    let mut run = Running::start(&arguments);
+    let mut run = start(&arguments);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());
     let refused = line(&mut err);
     assert!(
@@ -258,10 +239,10 @@ fn a_run_that_cannot_record_does_not_wait_for_a_device() {
 
 #[test]
 fn ctrl_c_ends_the_wait_for_a_device() {
-    let mut run = Running::start(&["run", "--wait", "--source", "serial:/dev/no-such-glove"]);
+    let mut run = start(&["run", "--wait", "--source", "serial:/dev/no-such-glove"]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());
     assert!(line(&mut err).contains("there is no such port"));
-    run.signal("INT");
+    signal("INT", run.0.id());
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
 }
 
@@ -272,14 +253,14 @@ fn a_run_waits_for_the_device_of_its_other_hand() {
     let text = "Setup(source: \"typist:a\", other_hand: (source: \"serial:/dev/no-such-glove\"), \
                 layout: \"qwerty-two-flat\", output: \"none\")";
     std::fs::write(&setup, text).unwrap();
-    let mut run = Running::start(&["run", "--wait", setup.to_str().unwrap()]);
+    let mut run = start(&["run", "--wait", setup.to_str().unwrap()]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());
     let waiting = line(&mut err);
     assert!(
         waiting.starts_with("waiting: cannot open serial:/dev/no-such-glove"),
         "{waiting}"
     );
-    run.signal("INT");
+    signal("INT", run.0.id());
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
 }
 
@@ -308,26 +289,26 @@ fn process_state(process: u32) -> char {
 #[test]
 fn a_run_that_is_continued_before_it_has_stopped_goes_on() {
     let text = format!("typist:{}", "a text that takes longer ".repeat(20));
-    let mut run = Running::start(&["run", "--source", &text, "--armed"]);
+    let mut run = start(&["run", "--source", &text, "--armed"]);
     let mut out = BufReader::new(run.0.stdout.take().unwrap());
     assert!(line(&mut out).contains("down A"));
     for _ in 0..3 {
-        run.signal("TSTP");
-        run.signal("CONT");
+        signal("TSTP", run.0.id());
+        signal("CONT", run.0.id());
         // The work before a stop takes 50 ms and more.
         for _ in 0..60 {
             std::thread::sleep(std::time::Duration::from_millis(10));
             assert_ne!(process_state(run.0.id()), 'T', "it is stopped");
         }
     }
-    run.signal("TSTP");
+    signal("TSTP", run.0.id());
     let start = std::time::Instant::now();
     while process_state(run.0.id()) != 'T' {
         assert!(start.elapsed().as_secs() < 60, "it does not stop");
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    run.signal("CONT");
-    run.signal("INT");
+    signal("CONT", run.0.id());
+    signal("INT", run.0.id());
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
 }
 
@@ -347,12 +328,12 @@ fn a_run_that_is_started_by_nohup_ignores_a_hangup_and_no_other_signal() {
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::null());
-    let mut run = Running(command.spawn().unwrap());
+    let mut run = Process::start(&mut command).unwrap();
     let mut out = BufReader::new(run.0.stdout.take().unwrap());
     assert!(line(&mut out).contains("down A"));
-    run.signal("HUP");
+    signal("HUP", run.0.id());
     while !line(&mut out).contains("down T") {}
-    run.signal("TERM");
+    signal("TERM", run.0.id());
     let mut rest = String::new();
     out.read_to_string(&mut rest).unwrap();
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
