@@ -2,9 +2,9 @@
 
 #[cfg(unix)]
 use std::io::{BufRead, BufReader, Read};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
-use super::{file, run, text};
+use super::{ademan, file, run, text};
 
 /// Keys in a bad order for phrases of 1 and 2.
 const PAD: &str = r#"// The order is mine.
@@ -124,15 +124,13 @@ fn improve<'a>(pad: &'a str, phrases: &'a str, people: &'a str, count: &'a str) 
 
 const PHRASES: &str = "1212121212\n2121211212\n1221121212\n2112211212\n";
 
-/// Runs the program with a standard output that nobody reads.
-fn run_unread(arguments: &[&str]) -> (Option<i32>, String) {
-    let mut command = super::ademan(arguments);
+/// Runs the program with a standard output that nobody reads. Returns the messages.
+pub(super) fn run_unread(mut command: Command) -> String {
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut program = command.spawn().expect("the program starts");
     drop(program.stdout.take());
     let ended = program.wait_with_output().expect("it ends");
-    let errors = String::from_utf8(ended.stderr).expect("UTF-8");
-    (ended.status.code(), errors)
+    String::from_utf8(ended.stderr).expect("UTF-8")
 }
 
 #[test]
@@ -144,7 +142,7 @@ fn an_improved_layout_is_kept_whatever_becomes_of_the_text_and_of_results() {
     let path = |name: &str| folder.path().join(name);
     let unread = path("unread.ron");
     let to = ["--steps", "30", "--output", text(&unread)];
-    let (_, errors) = run_unread(&[&start[..], &to].concat());
+    let errors = run_unread(ademan([&start[..], &to].concat()));
     assert!(unread.exists(), "{errors}");
     let (verified, result) = (path("verified.ron"), path("verified.json"));
     let both = ["--output", text(&verified), "--json", text(&result)];
@@ -198,7 +196,7 @@ fn only_the_file_of_the_layout_itself_is_overwritten() {
     // The name stands for the layout that comes with the program, and not for this file.
     let notes = file(&folder, "qwerty-flat", "my notes");
     let start = improve("qwerty-flat", &phrases, "6", "3");
-    let mut command = super::ademan([&start[..], &["--steps", "2", "--overwrite"]].concat());
+    let mut command = ademan([&start[..], &["--steps", "2", "--overwrite"]].concat());
     let ended = command.current_dir(folder.path()).output();
     let ended: super::Ended = ended.expect("the program starts").into();
     assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
@@ -220,7 +218,7 @@ fn an_interruption_of_the_judgement_keeps_the_layout() {
     start[7] = "--objective=speed";
     let only = ["--keep", "1 3 5 7 0 8 6", "--steps", "1"];
     let to = ["--output", text(&better)];
-    let mut command = super::ademan([&start[..], &only, &to].concat());
+    let mut command = ademan([&start[..], &only, &to].concat());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut program = command.spawn().expect("the program starts");
     let mut errors = BufReader::new(program.stderr.take().expect("a pipe"));
@@ -372,7 +370,7 @@ fn a_recorded_hand_is_replayed_on_other_layouts_with_the_limits() {
     );
     let unread = folder.path().join("unread.json");
     let arguments = ["lab", "replay", text(&recording), "--json", text(&unread)];
-    let (_, errors) = run_unread(&arguments);
+    let errors = run_unread(ademan(arguments));
     assert!(unread.exists(), "{errors}");
     let replayed = run(["lab", "replay", text(&json), "qwerty-flat"]);
     assert_ne!(replayed.code, Some(0), "{}", replayed.out);
@@ -412,7 +410,7 @@ fn a_layout_of_the_community_is_imported_checked_and_scored() {
     assert_eq!(again.code, Some(2), "{}", again.err);
     // A part of the name behind a point is no extension.
     std::fs::rename(&grid, folder.path().join("grid.v2.txt")).expect("a file");
-    let mut import = super::ademan(["lab", "import", "grid.v2.txt"]);
+    let mut import = ademan(["lab", "import", "grid.v2.txt"]);
     let unnamed = import.current_dir(folder.path()).output();
     let unnamed: super::Ended = unnamed.expect("the program starts").into();
     unnamed.done();

@@ -3,8 +3,8 @@
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
+use super::lab_designs::run_unread;
 use super::{Ended, ademan, file, run, text};
 
 fn new(folder: &Path, arguments: &[&str]) -> PathBuf {
@@ -142,15 +142,6 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
         "{}",
         damaged_end.err
     );
-}
-
-/// Runs the program with a standard output that nobody reads. Returns the messages.
-fn run_unread(mut command: Command) -> String {
-    command.stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut program = command.spawn().expect("the program starts");
-    drop(program.stdout.take());
-    let ended = program.wait_with_output().expect("it ends");
-    String::from_utf8(ended.stderr).expect("UTF-8")
 }
 
 #[test]

@@ -1,19 +1,21 @@
 //! Hands through a router of zenoh: capture, a typist and viewers, each a process of its own, around a router.
 
 use std::collections::BTreeSet;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::process::Stdio;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use ::zenoh::{Config, Session, Wait};
+use crossbeam_channel::Receiver;
 
 use crate::ademan;
 use crate::support::free_address::free_address;
 use crate::support::process::{Process, signal};
+use crate::support::run::line_receiver;
 
 /// Longest wait on a busy machine.
 const TIMEOUT: Duration = Duration::from_secs(60);
@@ -50,8 +52,8 @@ impl Run {
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
         let mut process = Process::start(&mut command).expect("the program starts");
-        let transcript = receiver(process.0.stdout.take().expect("it is piped"));
-        let messages = receiver(process.0.stderr.take().expect("it is piped"));
+        let transcript = line_receiver(process.0.stdout.take().expect("it is piped"));
+        let messages = line_receiver(process.0.stderr.take().expect("it is piped"));
         Self {
             process,
             transcript,
@@ -67,16 +69,6 @@ impl Run {
         };
         while !next().contains(part) {}
     }
-}
-
-fn receiver(stream: impl Read + Send + 'static) -> Receiver<String> {
-    let (sender, receiver) = channel();
-    thread::spawn(move || {
-        for line in BufReader::new(stream).lines().map_while(Result::ok) {
-            let _ = sender.send(line);
-        }
-    });
-    receiver
 }
 
 /// A connection to a router that can be congested.

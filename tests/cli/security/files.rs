@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::fs::{self, Permissions};
 use std::io::{Read, Write};
 use std::net::Shutdown;
-use std::os::unix::fs::{PermissionsExt, chown, symlink};
+use std::os::unix::fs::{PermissionsExt, symlink};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 use std::process::Stdio;
@@ -14,11 +14,10 @@ use std::time::{Duration, Instant};
 use rustix::fs::{CWD, Mode};
 use rustix::thread::set_thread_res_uid;
 
+use super::strangers::{NOBODY, give_away};
 use crate::support::process::Process;
 use crate::support::run::{Run, TIMEOUT};
 use crate::{Ended, ademan};
-
-const NOBODY: u32 = 65_534;
 
 /// Runs the program in a folder. Fails if it does not end.
 fn run_in(folder: &Path, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
@@ -46,15 +45,6 @@ fn run_in(folder: &Path, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>)
 
 fn mode(path: &Path) -> u32 {
     fs::metadata(path).expect("it exists").permissions().mode() & 0o777
-}
-
-/// Gives a file to another user. Returns `false` if only root can do that.
-fn give_away(path: &Path) -> bool {
-    let is_given = chown(path, Some(NOBODY), None).is_ok();
-    if !is_given {
-        println!("SKIPPED: only root can give a file to another user");
-    }
-    is_given
 }
 
 #[test]
@@ -150,8 +140,8 @@ fn an_existing_transcript_becomes_private_and_links_and_files_of_others_are_refu
 fn a_layout_of_another_user_is_not_saved() {
     let run = Run::with_held_key(&["--control", "c.sock"]);
     let layout = run.path();
-    let (before, is_given) = (fs::read(&layout).expect("it exists"), give_away(&layout));
-    if !is_given {
+    let before = fs::read(&layout).expect("it exists");
+    if !give_away(&layout, Some(NOBODY), None) {
         return;
     }
     let ctl = |arguments: &[&str]| {

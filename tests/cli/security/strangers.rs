@@ -13,7 +13,7 @@ use crate::support::binary::{NO_FOLDER, copy_binary};
 use crate::support::run::{MOVE_TIME, Run, TIMEOUT, shipped};
 use crate::{Ended, ademan, text};
 
-const NOBODY: u32 = 65_534;
+pub(super) const NOBODY: u32 = 65_534;
 
 /// A working folder, and the folders of a person.
 struct Place(TempDir);
@@ -61,7 +61,8 @@ fn set_mode(path: &Path, mode: u32) {
     fs::set_permissions(path, Permissions::from_mode(mode)).expect("an own file");
 }
 
-fn give_away(path: &Path, owner: Option<u32>, group: Option<u32>) -> bool {
+/// Gives a file to another user or group. Returns `false` if only root can do that.
+pub(super) fn give_away(path: &Path, owner: Option<u32>, group: Option<u32>) -> bool {
     let is_given = chown(path, owner, group).is_ok();
     if !is_given {
         println!("SKIPPED: only root can give a file to another user");

@@ -2,20 +2,14 @@
 
 use ademan::layout::Layout;
 
+use super::{check_refusals, refusal_of};
+
 /// Returns `LINE:COLUMN: message` of the error in a layout with these fields on its board (from line 2) and
 /// beside it (from the line after `],`).
 fn refusal(board: &str, fields: &str) -> String {
-    let text =
-        format!("Layout(name: \"t\", boards: [(pose: (anchor: world),\n{board}\n)],\n{fields}\n)");
-    let error = Layout::parse(&text, "t.ron").expect_err(&text).to_string();
-    let line = error.lines().next().expect("a line").to_owned();
-    line.strip_prefix("t.ron:").expect("the file").to_owned()
-}
-
-fn check(cases: &[(&str, &str)], refusal: impl Fn(&str) -> String) {
-    for (fields, expected) in cases {
-        assert_eq!(refusal(fields), *expected, "{fields}");
-    }
+    refusal_of(&format!(
+        "Layout(name: \"t\", boards: [(pose: (anchor: world),\n{board}\n)],\n{fields}\n)"
+    ))
 }
 
 #[test]
@@ -37,7 +31,7 @@ fn a_text_has_at_most_32_characters() {
 
 #[test]
 fn a_dwell_key_has_no_other_activation() {
-    check(
+    check_refusals(
         &[
             (
                 r#"code: "A", dwell_ms: 300, activate_on: Release"#,
@@ -67,7 +61,7 @@ fn a_dwell_key_has_no_other_activation() {
 #[test]
 fn chords_consist_of_known_keys_that_can_be_pressed_together() {
     let keys = r#"rows: [(at_mm: (0, 0), keys: "A B")], keys: [(code: "C", dwell_ms: 300, at_mm: (60, 0))]"#;
-    check(
+    check_refusals(
         &[
             (
                 r#"(keys: "A Bee", action: Key("X"))"#,
@@ -159,7 +153,7 @@ fn at_most_64_keys_take_part_in_chords() {
 
 #[test]
 fn a_radio_group_has_at_least_two_distinct_options() {
-    check(
+    check_refusals(
         &[
             (
                 r#"(name: "R", options: [(name: "A", at_mm: (0, 0))])"#,
@@ -192,7 +186,7 @@ fn a_radio_group_has_at_least_two_distinct_options() {
 
 #[test]
 fn a_touch_surface_is_a_box_with_a_known_mode() {
-    check(
+    check_refusals(
         &[
             (
                 "size_mm: Disc(90), mode: Touchpad",
@@ -229,7 +223,7 @@ fn a_touch_surface_is_a_box_with_a_known_mode() {
 #[test]
 fn a_trigger_has_a_known_measurement_and_distinct_thresholds() {
     let keys = r#"rows: [(at_mm: (0, 0), keys: "A B")]"#;
-    check(
+    check_refusals(
         &[
             (
                 r#"(name: "T", when: Angle(dof: "index-flexion", on_deg: 60, off_deg: 50))"#,

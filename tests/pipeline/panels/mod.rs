@@ -31,6 +31,8 @@ mod hand_gestures;
 mod handle_errors;
 mod pointer_errors;
 
+use ademan::layout::Layout;
+
 use crate::rig::Rig;
 
 /// Returns the events of a script on one flat board with these fields, such as `toggles: [(…)]`.
@@ -42,4 +44,20 @@ fn simulate(controls: &str, script: &str) -> String {
 /// `triggers: [(…)]`.
 fn simulate_layout(controls: &str, fields: &str, script: &str) -> String {
     Rig::with_fields(controls, fields).run(script).events()
+}
+
+/// Returns `LINE:COLUMN: message` of the error in a layout.
+fn refusal_of(layout: &str) -> String {
+    let error = Layout::parse(layout, "t.ron")
+        .expect_err(layout)
+        .to_string();
+    let line = error.lines().next().expect("a line").to_owned();
+    line.strip_prefix("t.ron:").expect("the file").to_owned()
+}
+
+/// Checks that the fields of each case are refused with its message.
+fn check_refusals(cases: &[(&str, &str)], refusal: impl Fn(&str) -> String) {
+    for (fields, expected) in cases {
+        assert_eq!(refusal(fields), *expected, "{fields}");
+    }
 }

@@ -2,12 +2,11 @@
 
 use ademan::layout::Layout;
 
+use super::{check_refusals, refusal_of};
+
 /// Returns `LINE:COLUMN: message` of the error in a layout with these fields, from line 2.
 fn refusal(fields: &str) -> String {
-    let text = format!("Layout(name: \"t\",\n{fields}\n)");
-    let error = Layout::parse(&text, "t.ron").expect_err(&text).to_string();
-    let line = error.lines().next().expect("a line").to_owned();
-    line.strip_prefix("t.ron:").expect("the file").to_owned()
+    refusal_of(&format!("Layout(name: \"t\",\n{fields}\n)"))
 }
 
 const MODE: &str = "mode: Direct(pose: (anchor: world), size_mm: (200, 100, 100))";
@@ -22,15 +21,9 @@ fn of_targets(targets: &str) -> String {
     ))
 }
 
-fn check(cases: &[(&str, &str)], refusal: impl Fn(&str) -> String) {
-    for (fields, expected) in cases {
-        assert_eq!(refusal(fields), *expected, "{fields}");
-    }
-}
-
 #[test]
 fn numbers_out_of_range_are_refused_with_their_position() {
-    check(
+    check_refusals(
         &[
             (
                 "max_step_px: 1e308",
@@ -59,7 +52,7 @@ fn numbers_out_of_range_are_refused_with_their_position() {
 
 #[test]
 fn unknown_names_are_refused_with_the_nearest_known_one() {
-    check(
+    check_refusals(
         &[
             (
                 "clutch: Pinch(\"indxe\")",
@@ -88,7 +81,7 @@ fn unknown_names_are_refused_with_the_nearest_known_one() {
 
 #[test]
 fn inconsistent_settings_of_a_pointer_are_refused() {
-    check(
+    check_refusals(
         &[
             (
                 "clicks: [(gesture: Pinch(\"index\"), action: Command(\"toggle-pause\"))], clutch: Pinch(\"index\")",
@@ -137,7 +130,7 @@ fn inconsistent_settings_of_a_pointer_are_refused() {
 #[test]
 fn targets_in_space_have_unique_names_and_a_size() {
     let ball = "(name: \"A\", at_mm: (0, 0, 0), shape: Ball(9)),";
-    check(
+    check_refusals(
         &[
             (
                 &format!("{ball}\n{ball}"),
