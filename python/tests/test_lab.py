@@ -35,5 +35,5 @@ def test_the_same_seed_has_the_same_result(program):
 
 
 def test_what_the_program_refuses_is_an_error(program):
-    with pytest.raises(ademan.ProgramError, match="qwerty"):
+    with pytest.raises(ademan.ProgramError, match="qwerty-no-such: there is no such file"):
         ademan.lab.score("qwerty-no-such")
