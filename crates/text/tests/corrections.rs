@@ -302,6 +302,7 @@ fn a_letter_behind_a_sentence_has_no_empty_candidate() {
     for letter in ["a", "c"] {
         field.types(letter);
         let candidates = field.corrector.candidates();
+        assert!(!candidates.is_empty(), "{letter}");
         assert!(candidates.iter().all(|it| !it.text.trim().is_empty()));
         field.corrector.reset();
     }
