@@ -26,13 +26,6 @@ mod compositor;
 #[allow(dead_code)]
 mod window;
 
-/// Prints a message as the binary does.
-#[cfg(target_os = "linux")]
-macro_rules! say {
-    ($($message:tt)*) => {
-        crate::messages::print(&format!($($message)*))
-    };
-}
 /// Prints an error as the binary does.
 #[cfg(target_os = "linux")]
 macro_rules! complain {

@@ -138,7 +138,7 @@ fn a_cut_file_is_refused_with_and_without_a_line_end() {
     let whole = std::fs::read_to_string(&path).unwrap();
     let (head, _) = whole.trim_end().rsplit_once('\n').unwrap();
     for (name, end) in [("line.bvh", "\n"), ("number.bvh", "")] {
-        let cut = file(&folder, name, &format!("{head}{end}"));
+        let cut = file(&folder, name, format!("{head}{end}"));
         let source = format!("file:{cut}?protocol=bvh");
         let ended = run(["trace", "readings", "--source", &source]);
         assert_eq!(ended.code, Some(3), "{name}: {}", ended.err);
