@@ -93,7 +93,9 @@ fn a_word_that_starts_sentences_is_learned_without_their_capital() {
         field.types(more);
     }
     assert!(field.text.contains("Rocket of "), "{}", field.text);
-    assert!(field.corrector.restored().words().eq(["rocket"]));
+    let learned: Vec<&str> = field.corrector.restored().words().collect();
+    // The lexicon of the test lacks `and`.
+    assert_eq!(learned, ["rocket", "and"]);
 }
 
 #[test]
