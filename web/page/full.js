@@ -1,4 +1,4 @@
-// The module that corrects words and reads recordings, too. It takes the place of the first one when a person asks for either.
+// The module that corrects words and reads recordings and motion capture files, too. It takes the place of the first one when a person asks for either.
 
 let isLoaded = false;
 let loading = null;

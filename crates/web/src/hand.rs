@@ -4,7 +4,9 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use ademan_core::capture::protocol::{Decoder, Packet, Protocol, bvh, hand_landmarks, joint_sets};
+#[cfg(feature = "recordings")]
+use ademan_core::capture::protocol::bvh;
+use ademan_core::capture::protocol::{Decoder, Packet, Protocol, hand_landmarks, joint_sets};
 use ademan_core::capture::{RESTART_PAUSE, Reading, StreamFormat};
 use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::{Layout, Person};
@@ -18,9 +20,10 @@ use serde::Serialize;
 /// Time between two readings of a simulated hand and of a pointer.
 pub const PERIOD: Duration = Duration::from_millis(10);
 
-/// The protocols of headsets and webcams, which a browser reads, and of motion capture files. The others would double the size of
-/// the module.
-const PROTOCOLS: [&Protocol; 4] = [
+/// The protocols of headsets and webcams, which a browser reads, and of motion capture files, which the page opens with the module
+/// for recordings. The others would double the size of the module.
+const PROTOCOLS: &[&Protocol] = &[
+    #[cfg(feature = "recordings")]
     &bvh::PROTOCOL,
     &joint_sets::WEBXR,
     &joint_sets::OPENXR,
@@ -36,7 +39,7 @@ const MAX_DELAY_US: i64 = 100_000;
 /// Returns the format of a name such as `hand-landmarks?mirrored=yes&view_deg=70`.
 fn format_of(text: &str) -> Result<StreamFormat, String> {
     let (name, options) = text.split_once('?').unwrap_or((text, ""));
-    let known = PROTOCOLS.into_iter().find(|it| it.name == name);
+    let known = PROTOCOLS.iter().find(|it| it.name == name);
     let known =
         known.ok_or("this page reads `webxr`, `openxr`, `hand-landmarks` and `bvh` only")?;
     let mut format = StreamFormat::new(known);
