@@ -110,7 +110,7 @@ fn a_run_whose_recording_cannot_be_created_leaves_no_file() {
         (["--record", &existing, "--view", "log"], "exists"),
         (
             ["--record", text(&both), "--record-bvh", text(&both)],
-            "is named for two recordings",
+            "names the same file",
         ),
     ] {
         let arguments = ["run", "--source", "typist:hi", "--output", &output];

@@ -1,9 +1,8 @@
 //! Checks of the files that a command writes at its end, before the time to compute them is spent.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use ademan::files::{self, folder_of};
+use ademan::files::{self, folder_of, is_same_file};
 use ademan::message::escape_path;
 
 use crate::failure::Failure;
@@ -49,17 +48,4 @@ pub fn check_folder(path: &Path) -> Result<(), Failure> {
     Err(Failure::wrong_use(format!(
         "cannot write {name}: there is no such folder; create it, or name a file in another one"
     )))
-}
-
-/// Returns `true` if two paths name one file, which may not exist yet.
-pub fn is_same_file(one: &Path, other: &Path) -> bool {
-    one == other || resolved(one).is_some_and(|it| Some(it) == resolved(other))
-}
-
-/// Returns a path without links and relative parts; `None` if its folder does not exist.
-fn resolved(path: &Path) -> Option<PathBuf> {
-    fs::canonicalize(path).ok().or_else(|| {
-        let folder = fs::canonicalize(folder_of(path)).ok()?;
-        Some(folder.join(path.file_name()?))
-    })
 }

@@ -5,9 +5,7 @@ use std::thread;
 
 use ademan::capture::Haptics;
 use ademan::command::Command;
-use ademan::files;
-use ademan::message::{escape, escape_path};
-use ademan::recorder::RecordError;
+use ademan::message::escape;
 use ademan::session::{ControlSocket, SessionOptions};
 use ademan::setup::LoadedSetup;
 use ademan::share::ShareTarget;
@@ -20,8 +18,8 @@ use crate::root_args::RootArgs;
 use crate::setup_args::SetupArgs;
 use crate::view::{self, LiveView, ViewKind, Views};
 use crate::{
-    complete, messages, pause_signals, recording_size, release_keys, result_files, session, sound,
-    stats, watchdog,
+    complete, messages, pause_signals, recording_size, release_keys, session, sound, stats,
+    watchdog,
 };
 
 /// The output without any other.
@@ -108,7 +106,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
         Some(path) => ControlSocket::Path(path.clone()),
         None => ControlSocket::Default,
     };
-    let recordings = [args.record.clone(), args.record_bvh.clone()];
     let record_to = args.record;
     session::prepare()?;
     let setup_file = args.setup.as_deref().map(Path::new);
@@ -139,7 +136,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
             "keys of a killed run may still be pressed: {reason}; `ademan release-keys` tries again"
         );
     }
-    check_recordings(&recordings)?;
     let setup = setup.load_files()?;
     let unmeasured = |layout| setup.unmeasured_body_point(layout);
     if let Some(reason) = setup.layouts().find_map(unmeasured) {
@@ -169,26 +165,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let ended = session.join();
     drop(view);
     stats::report(ended?)
-}
-
-/// Refuses recordings that cannot be created, before the outputs create files, which are in the way of the next try.
-fn check_recordings(recordings: &[Option<PathBuf>; 2]) -> Result<(), Failure> {
-    for path in recordings.iter().flatten() {
-        let checked = files::check_destination(path).and_then(|()| files::check_absent(path));
-        checked.map_err(|error| RecordError::Create {
-            path: path.clone(),
-            reason: error.to_string(),
-        })?;
-    }
-    match recordings {
-        [Some(steps), Some(poses)] if result_files::is_same_file(steps, poses) => {
-            Err(Failure::wrong_use(format!(
-                "{} is named for two recordings; name another file",
-                escape_path(steps)
-            )))
-        }
-        _ => Ok(()),
-    }
 }
 
 fn haptics() -> impl TypedValueParser<Value = Haptics> {

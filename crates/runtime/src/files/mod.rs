@@ -227,6 +227,19 @@ pub fn folder_of(path: &Path) -> &Path {
     folder.unwrap_or(Path::new("."))
 }
 
+/// Returns `true` if two paths name one file, which may not exist yet.
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
+    one == other || resolved(one).is_some_and(|it| Some(it) == resolved(other))
+}
+
+/// Returns a path without links and relative parts; `None` if its folder does not exist.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    fs::canonicalize(path).ok().or_else(|| {
+        let folder = fs::canonicalize(folder_of(path)).ok()?;
+        Some(folder.join(path.file_name()?))
+    })
+}
+
 /// Creates a folder that only its owner can access. An existing folder must be private to this user.
 pub fn create_private_folder(path: &Path) -> Result<(), FileError> {
     match system::create_folder(path) {

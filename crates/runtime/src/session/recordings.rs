@@ -26,16 +26,18 @@ const FLUSH_AFTER: Duration = Duration::from_millis(500);
 /// Frames per second of a BVH file.
 const BVH_RATE_HZ: f64 = 100.0;
 
-/// Checks that the files of the recordings can be created, so that neither is created if one cannot, and no session waits for a device
-/// in vain.
+/// Checks that the files of the recordings can be created, so that neither is created if one cannot, no output creates a file, which
+/// would be in the way of the next try, and no session waits for a device in vain.
 pub(super) fn check_files(options: &SessionOptions) -> Result<(), RecordError> {
-    let files = [&options.record_to, &options.record_bvh_to];
-    (files.into_iter().flatten()).try_for_each(|path| check_file(path))?;
-    match files {
-        [Some(steps), Some(poses)] if steps == poses => Err(RecordError::Create {
-            path: steps.clone(),
-            reason: "`--record-bvh` names the same file; choose another name for it".into(),
-        }),
+    let paths = [&options.record_to, &options.record_bvh_to];
+    (paths.into_iter().flatten()).try_for_each(|path| check_file(path))?;
+    match paths {
+        [Some(steps), Some(poses)] if files::is_same_file(steps, poses) => {
+            Err(RecordError::Create {
+                path: steps.clone(),
+                reason: "`--record-bvh` names the same file; choose another name for it".into(),
+            })
+        }
         _ => Ok(()),
     }
 }

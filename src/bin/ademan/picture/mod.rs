@@ -122,7 +122,7 @@ pub fn show(args: &Args) -> Result<(), Failure> {
     let named: Vec<&PathBuf> = targets.into_iter().flatten().collect();
     for (index, path) in named.iter().enumerate() {
         let mut others = named[..index].iter();
-        if others.any(|other| result_files::is_same_file(path, other)) {
+        if others.any(|other| files::is_same_file(path, other)) {
             return Err(Failure::wrong_use(format!(
                 "{} is named for two files; name another one",
                 escape_path(path)
