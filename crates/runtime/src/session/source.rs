@@ -98,14 +98,40 @@ impl Session {
     }
 }
 
-/// Returns the device that could not be opened, and the error. `None` for an error that a wait does not end. Any of several sources may
-/// be the device, and each has the name of its URI; `first` is the first one.
+/// Returns the device that could not be opened, and the error. `None` for an error that a wait does not end, as of a file. Any of several
+/// sources may be the device, and each has the name of its URI; another name stands for all of them, and for `first`.
 fn absent_device(failure: &SetupError, first: &SourceUri) -> Option<(SourceUri, String)> {
     let SetupError::Capture(error @ CaptureError::Open { source_name, .. }) = failure else {
         return None;
     };
-    let named = source_name.parse::<SourceUri>().ok();
-    let named = named.filter(SourceUri::is_device);
-    let device = named.or_else(|| first.is_device().then(|| first.clone()))?;
-    Some((device, error.to_string()))
+    let named = source_name.parse::<SourceUri>();
+    let named = named.unwrap_or_else(|_| first.clone());
+    named.is_device().then(|| (named, error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_device_is_awaited_whatever_the_first_source_is() {
+        let absent = |name: &str, first: &str| {
+            let failure = SetupError::Capture(CaptureError::Open {
+                source_name: name.into(),
+                reason: "it is absent".into(),
+            });
+            absent_device(&failure, &first.parse::<SourceUri>().unwrap()).map(|(device, _)| device)
+        };
+        let glove = "serial:/dev/no-such-glove";
+        let device: SourceUri = glove.parse().unwrap();
+        assert_eq!(absent(glove, "typist:a"), Some(device.clone()));
+        assert_eq!(absent("both hands", glove), Some(device));
+        for other in [
+            "recording:hand.mcap",
+            "udp:127.0.0.1:9000?protocol=text-line",
+        ] {
+            assert_eq!(absent(other, glove), None);
+            assert_eq!(absent("both hands", other), None);
+        }
+    }
 }
