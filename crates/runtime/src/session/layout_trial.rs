@@ -37,8 +37,8 @@ impl LayoutTrial {
     /// everything is released. An invalid text changes nothing. Does not wait; returns `None` while the session is busy with another
     /// trial, or has ended.
     ///
-    /// The file of the layout is neither read nor written. Its next save with another content replaces the tried text. Errors and the messages of
-    /// simulated hands name the file of the document.
+    /// The file of the layout is neither read nor written. Its next save with another content replaces the tried text. Errors and the
+    /// messages of simulated hands name the file of the document.
     pub fn start(&self, file: &str, edited: Document) -> Option<TrialOutcome> {
         let (reply, outcome) = bounded(1);
         let request = TrialRequest {
