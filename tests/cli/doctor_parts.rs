@@ -2,6 +2,8 @@
 
 use crate::doctor::{check, checks};
 use crate::run;
+#[cfg(target_os = "linux")]
+use crate::{Ended, ademan};
 
 #[test]
 fn an_output_that_this_machine_or_this_build_lacks_is_a_finding() {
@@ -42,6 +44,29 @@ fn an_output_that_this_machine_or_this_build_lacks_is_a_finding() {
         let text = doctor("qwerty-flat", "ime");
         assert!(text.contains("this build has no input method"), "{text}");
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_default_socket_that_another_program_has_is_a_finding() {
+    let folder = tempfile::tempdir().unwrap();
+    let outputs = || {
+        let arguments = ["--layout", "arm-6dof", "--output", "spacenav", "--json"];
+        let mut command = ademan(["doctor"]);
+        command
+            .args(arguments)
+            .env("XDG_RUNTIME_DIR", folder.path());
+        let ended = Ended::from(command.output().expect("the program starts"));
+        check(&checks(&ended), "outputs").clone()
+    };
+    assert_eq!(outputs()["status"], "ok");
+    let sockets = folder.path().join("ademan");
+    std::fs::create_dir(&sockets).unwrap();
+    let _server = std::os::unix::net::UnixListener::bind(sockets.join("spnav.sock")).unwrap();
+    let taken = outputs();
+    assert_eq!(taken["status"], "missing");
+    let text = taken["text"].as_str().expect("a text");
+    assert!(text.contains("another program listens there"), "{text}");
 }
 
 #[test]

@@ -45,9 +45,6 @@ const AXES: [Axis; 6] = [
 /// Name of the socket in the runtime folder.
 const SOCKET: &str = "spnav.sock";
 
-/// The reason why there is no default path.
-const NO_FOLDER: &str = "XDG_RUNTIME_DIR is not set to a folder";
-
 /// Number of buttons.
 const BUTTON_COUNT: usize = BUTTONS.len();
 
@@ -113,10 +110,7 @@ impl Spacenav {
     /// Only the owner may connect. A socket left behind by a dead server is replaced; a socket in use and a path longer
     /// than 107 bytes are errors.
     pub fn open(path: Option<&Path>) -> Result<Self, OutputError> {
-        let path = match path {
-            None => default_path(SOCKET).ok_or_else(|| open_error(NO_FOLDER))?,
-            Some(path) => std::path::absolute(path).map_err(open_error)?,
-        };
+        let path = socket_path(path).map_err(open_error)?;
         let listener = Listener::open(&path).map_err(|error: SocketError| {
             open_error(format!("cannot listen at {}: {error}", escape_path(&path)))
         })?;
@@ -314,15 +308,13 @@ fn button_number(key: KeyCode) -> Option<usize> {
 /// Checks that a server can listen at the path in the argument, or at the default one, as far as that shows without listening. An error
 /// states the cause and the remedy.
 pub fn check_presence(argument: Option<&str>) -> Result<(), String> {
-    let Some(path) = argument else {
-        let default = default_path(SOCKET);
-        return default.map(drop).ok_or_else(|| with_remedy(NO_FOLDER));
-    };
-    let path = std::path::absolute(path).map_err(with_remedy)?;
+    let path = socket_path(argument.map(Path::new)).map_err(with_remedy)?;
+    // The folder of the default path is created with the socket.
+    let has_folder = argument.is_none() || path.parent().is_some_and(Path::is_dir);
     let is_other = |file: std::fs::Metadata| !file.file_type().is_socket();
     let reason = match check_path(&path) {
         Err(error) => error.to_string(),
-        Ok(()) if !path.parent().is_some_and(Path::is_dir) => "there is no such folder".to_owned(),
+        Ok(()) if !has_folder => "there is no such folder".to_owned(),
         Ok(()) if path.symlink_metadata().is_ok_and(is_other) => {
             "the file there is not a socket".to_owned()
         }
@@ -331,6 +323,14 @@ pub fn check_presence(argument: Option<&str>) -> Result<(), String> {
     };
     let path = escape_path(&path);
     Err(with_remedy(format!("cannot listen at {path}: {reason}")))
+}
+
+/// Returns the absolute path of the socket, by default in the runtime folder. An error states why there is none.
+fn socket_path(path: Option<&Path>) -> Result<PathBuf, String> {
+    match path {
+        None => default_path(SOCKET).ok_or_else(|| "XDG_RUNTIME_DIR names no folder".to_owned()),
+        Some(path) => std::path::absolute(path).map_err(|error| error.to_string()),
+    }
 }
 
 fn with_remedy(reason: impl ToString) -> String {
