@@ -43,6 +43,9 @@ fn an_output_that_this_machine_or_this_build_lacks_is_a_finding() {
     if cfg!(not(feature = "ime")) {
         let text = doctor("qwerty-flat", "ime");
         assert!(text.contains("this build has no input method"), "{text}");
+    } else if cfg!(target_os = "linux") {
+        let text = doctor("qwerty-flat", "ime:none");
+        assert!(text.contains("its keys go through"), "{text}");
     }
 }
 

@@ -103,7 +103,7 @@ pub fn check(names: &str, required: &Capabilities) -> Result<(), OutputError> {
 pub fn check_presence(names: &str) -> Result<(), OutputError> {
     for output in parse(names)? {
         let present = if output.backend == &ime::BACKEND {
-            ime::check_build()
+            ime::check_presence(output.argument)
         } else if output.backend == &midi::BACKEND {
             midi::check_presence(output.argument)
         } else if output.backend == &spacenav::BACKEND {

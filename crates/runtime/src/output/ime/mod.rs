@@ -26,13 +26,11 @@ use sink::open;
 #[cfg(not(all(target_os = "linux", feature = "ime")))]
 mod unsupported;
 #[cfg(not(all(target_os = "linux", feature = "ime")))]
-pub(super) use unsupported::check_build;
-#[cfg(not(all(target_os = "linux", feature = "ime")))]
-use unsupported::open;
+use unsupported::{check_build, open};
 
 /// Checks that this build has an input method. An error states the reason and the remedy.
 #[cfg(all(target_os = "linux", feature = "ime"))]
-pub(super) fn check_build() -> Result<(), String> {
+fn check_build() -> Result<(), String> {
     Ok(())
 }
 
@@ -56,6 +54,13 @@ fn capabilities() -> Capabilities {
         capabilities.insert(capability);
     }
     capabilities
+}
+
+/// Checks that this build has an input method, and that the argument names an output for keys. An error states the reason and the
+/// remedy.
+pub(super) fn check_presence(argument: Option<&str>) -> Result<(), String> {
+    check_build()?;
+    key_output(argument).map(drop)
 }
 
 /// Returns the output for keys: the argument, or else `desktop`.
