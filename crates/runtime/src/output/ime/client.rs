@@ -28,7 +28,7 @@ pub(super) struct Request {
     pub field: u32,
     /// The key presses that the output of keys got before: the text follows them.
     pub after_presses: u32,
-    /// The number of stops before it: later stops make it void.
+    /// The number of stops before it: later stops make its text void.
     pub stops: u32,
 }
 
@@ -58,10 +58,11 @@ pub(super) struct Shared {
 
 impl Shared {
     /// Returns `true` if a request is for the field that has the focus, and no stop has made it void. Otherwise counts its text as
-    /// dropped.
+    /// dropped. A stop makes no list void: without the request that hides a list, the list would stay.
     pub(super) fn accepts(&self, request: &Request) -> bool {
-        let is_accepted =
-            request.stops == self.stops() && request.field == self.field.get().generation;
+        let is_list = matches!(request.action, Action::List(_));
+        let is_void = !is_list && request.stops != self.stops();
+        let is_accepted = !is_void && request.field == self.field.get().generation;
         if !is_accepted {
             self.drop_text(&request.action);
         }
@@ -220,7 +221,8 @@ mod tests {
         let dropped = || shared.dropped_characters.load(Ordering::Relaxed);
         assert_eq!(dropped(), 0);
         shared.stop();
-        assert!(!requests.iter().any(|request| shared.accepts(request)));
+        let after_the_stop = requests.each_ref().map(|request| shared.accepts(request));
+        assert_eq!(after_the_stop, [false, false, true]);
         assert_eq!(dropped(), 6, "a word that is shown is committed later");
         let of_a_field = request(&shared, Action::Commit(text("ok")));
         shared.field.enter(FieldKind::Text);
