@@ -194,24 +194,25 @@ impl<'a> Engine<'a> {
                 return Ok(());
             }
             self.waiting_since = Instant::now();
-            self.execute(request)?;
+            self.execute(&request)?;
         }
         Ok(())
     }
 
-    fn execute(&mut self, request: Request) -> zbus::Result<()> {
-        if !self.shared.accepts(&request) {
+    fn execute(&mut self, request: &Request) -> zbus::Result<()> {
+        if !self.shared.accepts(request) {
             return Ok(());
         }
-        match request.action {
-            Action::Show(word) => self.show(&word),
-            Action::Commit(text) => self.commit(&text),
+        let executed = match &request.action {
+            Action::Show(word) => self.show(word),
+            Action::Commit(text) => self.commit(text),
             Action::List(candidates) => {
-                let table = Value::from(serial::lookup_table(&candidates));
+                let table = Value::from(serial::lookup_table(candidates));
                 let is_visible = !candidates.is_empty();
                 self.bus.emit("UpdateLookupTable", &(table, is_visible))
             }
-        }
+        };
+        executed.inspect_err(|_| self.shared.drop_text(&request.action))
     }
 
     fn show(&mut self, word: &str) -> zbus::Result<()> {
