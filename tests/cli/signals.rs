@@ -9,8 +9,6 @@ use super::ademan;
 use crate::support::binary::NO_FOLDER;
 use crate::support::free_address::free_address;
 use crate::support::process::{Process, signal};
-#[cfg(target_os = "linux")]
-use crate::support::run::TIMEOUT;
 use crate::support::run::accept;
 
 fn start(arguments: &[&str]) -> Process {
@@ -101,27 +99,6 @@ fn sigusr1_to_all_programs_of_the_name_ends_no_recording() {
     assert_eq!(record.0.wait().unwrap().code(), Some(0));
 }
 
-/// Waits until a program has a handler for SIGUSR1.
-#[cfg(target_os = "linux")]
-fn wait_until_it_handles_sigusr1(program: &Process) {
-    let handles = || {
-        let path = format!("/proc/{}/status", program.0.id());
-        let status = std::fs::read_to_string(path).unwrap();
-        let caught = status.lines().find_map(|it| it.strip_prefix("SigCgt:"));
-        let mask = u64::from_str_radix(caught.unwrap().trim(), 16).unwrap();
-        mask & 1 << (10 - 1) != 0
-    };
-    let start = std::time::Instant::now();
-    while !handles() {
-        assert!(
-            start.elapsed() < TIMEOUT,
-            "it does not handle SIGUSR1 or has ended"
-        );
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
-}
-
-#[cfg(target_os = "linux")]
 #[test]
 fn sigusr1_to_all_programs_of_the_name_ends_none_that_types_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -138,12 +115,27 @@ fn sigusr1_to_all_programs_of_the_name_ends_none_that_types_nothing() {
         let source = format!("tcp:{address}?protocol=text-line");
         let mut program = start(&[&arguments[..], &["--source", &source]].concat());
         let _sender = accept(&listener);
-        wait_until_it_handles_sigusr1(&program);
         signal("USR1", program.0.id());
         signal("INT", program.0.id());
         let ended = program.0.wait().unwrap();
         assert_eq!(ended.code(), Some(code), "{arguments:?}");
     }
+}
+
+#[test]
+fn sigusr1_ends_no_program_that_waits_for_lines() {
+    let mut command = ademan(["text", "decode", "en", "--layout", "qwerty-flat"]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut decode = Process::start(&mut command).unwrap();
+    let mut input = decode.0.stdin.take().unwrap();
+    input.write_all(b"0 0\n\n").unwrap();
+    let mut out = BufReader::new(decode.0.stdout.take().unwrap());
+    assert!(line(&mut out).contains('\t'));
+    signal("USR1", decode.0.id());
+    drop(input);
+    let mut rest = String::new();
+    out.read_to_string(&mut rest).unwrap();
+    assert_eq!(decode.0.wait().unwrap().code(), Some(0));
 }
 
 #[test]

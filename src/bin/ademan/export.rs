@@ -16,7 +16,7 @@ use crate::complete;
 use crate::failure::Failure;
 use crate::setup_args::{SetupArgs, number_in};
 use crate::traced_setup::TracedSetup;
-use crate::{body, pause_signals, session, stats};
+use crate::{body, session, stats};
 
 /// Write the poses of one or both hands to a BVH file for animation programs, without typing
 #[derive(clap::Args)]
@@ -68,8 +68,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let session = session::start(setup, options)?;
-    // SIGUSR1 to all programs of this name stops their typing, and cuts no file.
-    pause_signals::install_without_session()?;
     let pose_options = PoseOptions {
         rate_hz: args.rate_hz,
         side: match args.hand {

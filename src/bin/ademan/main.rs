@@ -191,10 +191,19 @@ impl Subcommand {
     fn block_signals(&self) -> Result<(), Failure> {
         match self {
             Self::Watchdog(_) => signal_mask::block_all(),
-            // They compute or measure for minutes or hours, and type nothing.
-            Self::Calibrate(_) | Self::Cameras(_) | Self::Delay(_) | Self::Lab(_) => {
-                signal_mask::block_emergency_stop()
-            }
+            // They may run for hours, and type nothing.
+            Self::Arm(_)
+            | Self::Body(_)
+            | Self::Bridge(_)
+            | Self::Calibrate(_)
+            | Self::Cameras(_)
+            | Self::Delay(_)
+            | Self::Export(_)
+            | Self::Lab(_)
+            | Self::Record(_)
+            | Self::Share(_)
+            | Self::Text(_)
+            | Self::Trace(_) => signal_mask::block_emergency_stop(),
             _ => signal_mask::block_unused(),
         }
     }

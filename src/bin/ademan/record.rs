@@ -7,7 +7,7 @@ use ademan::session::{Notice, NoticeReceiver, SessionOptions};
 
 use crate::failure::Failure;
 use crate::setup_args::SetupArgs;
-use crate::{complete, messages, pause_signals, recording_size, session, signals, stats};
+use crate::{complete, messages, recording_size, session, signals, stats};
 
 /// Record a source and the results of every stage, without typing. A full disk ends it
 #[derive(clap::Args)]
@@ -44,8 +44,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
     };
     let growth = recording_size::Growth::new(&setup);
     let session = session::start(setup, options)?;
-    // SIGUSR1 to all programs of this name stops their typing, and cuts no recording.
-    pause_signals::install_without_session()?;
     recording_size::announce(&session, &args.file, growth);
     stats::report(session.join()?)
 }

@@ -7,7 +7,7 @@ use ademan::share::ShareTarget;
 use crate::demo::looping;
 use crate::failure::Failure;
 use crate::setup_args::SetupArgs;
-use crate::{complete, messages, pause_signals, session, stats};
+use crate::{complete, messages, session, stats};
 
 /// The page of `--web`.
 const PAGE: &str = "web:127.0.0.1:8080";
@@ -66,10 +66,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         on_notice: Some(print_notices()),
         ..SessionOptions::default()
     };
-    let session = session::start(setup, options)?;
-    // SIGUSR1 to all programs of this name stops their typing, and no page.
-    pause_signals::install_without_session()?;
-    stats::report(session.join()?)
+    stats::report(session::start(setup, options)?.join()?)
 }
 
 /// Returns a receiver that prints notices but those about typing.

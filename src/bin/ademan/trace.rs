@@ -23,7 +23,7 @@ use crate::failure::Failure;
 use crate::sensor_tables::SensorTables;
 use crate::setup_args::SetupArgs;
 use crate::traced_setup::TracedSetup;
-use crate::{complete, pause_signals, session, stats};
+use crate::{complete, session, stats};
 
 /// Print the results of a stage, one JSON object per line
 #[derive(clap::Args)]
@@ -82,8 +82,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
     };
     let sensors = SensorTables::new(&setup);
     let session = session::start(setup, options)?;
-    // SIGUSR1 to all programs of this name stops their typing, and cuts no trace.
-    pause_signals::install_without_session()?;
     let printed = match (args.stage, signals) {
         (Some(stage), _) => print(&session, stage, args.euler),
         (None, Some(signals)) => print_stats(&session, signals, sensors, as_json),
