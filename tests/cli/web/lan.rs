@@ -395,21 +395,21 @@ mod refusals {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_server_in_the_background_of_a_terminal_goes_on() {
+fn a_server_in_the_background_of_a_terminal_goes_on_and_is_given_consent_when_it_returns() {
     let Some(page) = folder() else { return };
     let home = tempfile::tempdir().expect("a folder");
     let control = home.path().join("control");
     let server = ademan(["serve", "--lan", "127.0.0.1", "--port", "0"]);
     let mut shell = Command::new("sh");
     shell
-        .args(["-c", "set -m; \"$@\" & wait", "sh"])
+        .args(["-c", "set -m; \"$@\" & read line; fg", "sh"])
         .arg(server.get_program())
         .args(server.get_args())
         .args(["--dir", text(&page), "--control", text(&control)])
         .args(["--output", "none", "--allow-root"])
         .env("XDG_CONFIG_HOME", home.path())
         .env_remove("XDG_RUNTIME_DIR");
-    let screen = crate::view::screen::Screen::start(&shell, 120, 60);
+    let mut screen = crate::view::screen::Screen::start(&shell, 120, 60);
     let succeeds = |request: &str| {
         let output = ademan(["ctl", "--socket", text(&control), request]).output();
         output.expect("it starts").status.success()
@@ -423,5 +423,9 @@ fn a_server_in_the_background_of_a_terminal_goes_on() {
         );
         std::thread::sleep(Duration::from_millis(20));
     }
+    // The shell reads the first line, and the program the second one.
+    screen.type_keys("\rallow\r");
+    screen.wait_for_text("the headset may press keys");
     assert!(succeeds("stop"), "{}", screen.text());
+    assert!(screen.wait().success(), "{}", screen.text());
 }

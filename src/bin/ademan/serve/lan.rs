@@ -1,9 +1,10 @@
 //! `ademan serve --lan`: the page for a headset on the network, and a session with its hands.
 
-use std::io::{self, BufRead, IsTerminal, Write};
+use std::io::{self, IsTerminal, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::thread;
+use std::time::Duration;
 
 use ademan::capture::transport::written_path;
 use ademan::message::{escape, shell_word};
@@ -21,6 +22,9 @@ const PORT: u16 = 8443;
 
 /// The word by which the person at the computer lets the headset press keys.
 const CONSENT: &str = "allow";
+
+/// Time between reads of a terminal that belongs to another program.
+const BACKGROUND_PERIOD: Duration = Duration::from_secs(1);
 
 /// Serves the page, and runs a session with the hands of the headset.
 pub fn run(
@@ -131,16 +135,27 @@ fn ask_for_consent(control: Option<PathBuf>) {
         if signal_mask::block_background_reads().is_err() {
             return;
         }
-        for line in io::stdin().lock().lines().map_while(Result::ok) {
-            if line.trim() == CONSENT {
-                match allow_keys(control.clone()) {
-                    Ok(()) => say!("the headset may press keys; `ademan ctl forbid-keys` ends it"),
-                    Err(reason) => complain!("the headset may not press keys: {}", escape(&reason)),
-                }
+        let mut line = String::new();
+        loop {
+            line.clear();
+            match io::stdin().read_line(&mut line) {
+                Ok(0) => return,
+                Ok(_) if line.trim() == CONSENT => consent(control.clone()),
+                Ok(_) => {}
+                // The program may return from the background.
+                Err(_) => thread::sleep(BACKGROUND_PERIOD),
             }
         }
     };
     let _ = thread::Builder::new().name("consent".into()).spawn(listen);
+}
+
+/// Lets the headset press keys, and says so.
+fn consent(control: Option<PathBuf>) {
+    match allow_keys(control) {
+        Ok(()) => say!("the headset may press keys; `ademan ctl forbid-keys` ends it"),
+        Err(reason) => complain!("the headset may not press keys: {}", escape(&reason)),
+    }
 }
 
 /// Returns the end of a sentence: the ways to let the headset press keys.
