@@ -138,12 +138,26 @@ impl SetupArgs {
         setup.arm_source = self.arm_source.clone().or(setup.arm_source);
         setup.glove = self.glove.clone().or(setup.glove);
         setup.person = self.person.clone().or(setup.person);
-        if let Some(layout) = self.layout.clone() {
-            setup.layout = link::trusted(layout, self.trust)?;
-        }
+        setup.layout = self.trusted_layout()?.unwrap_or(setup.layout);
         self.override_text(&mut setup);
         self.override_permissions(&mut setup);
         Ok(setup)
+    }
+
+    /// Returns the layout that is named: for a link that is trusted, the file to which its layout is written.
+    fn trusted_layout(&self) -> Result<Option<String>, Failure> {
+        let layout = self.layout.clone();
+        layout
+            .map(|name| link::trusted(name, self.trust))
+            .transpose()
+    }
+
+    /// Returns the flags with the file of a layout in place of its link.
+    pub fn with_trusted_layout(&self) -> Result<Self, Failure> {
+        Ok(Self {
+            layout: self.trusted_layout()?,
+            ..self.clone()
+        })
     }
 
     /// Applies the mode and the language of the text decoder.

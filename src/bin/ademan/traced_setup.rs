@@ -9,16 +9,16 @@ use crate::failure::Failure;
 use crate::setup_args::SetupArgs;
 
 /// A setup, and the recording that has it.
-pub enum TracedSetup<'a> {
+pub enum TracedSetup {
     /// A setup of the person, or the default one.
     Own(Box<Setup>),
-    /// A recording without a setup that replaces its own.
-    Recorded(Box<Replay>, &'a SetupArgs),
+    /// A recording without a setup that replaces its own, and the flags that change it.
+    Recorded(Box<Replay>, Box<SetupArgs>),
 }
 
-impl<'a> TracedSetup<'a> {
+impl TracedSetup {
     /// Reads the setup in a recording that is the only source, unless `file` names another one.
-    pub fn open(flags: &'a SetupArgs, file: Option<&str>) -> Result<Self, Failure> {
+    pub fn open(flags: &SetupArgs, file: Option<&str>) -> Result<Self, Failure> {
         match (flags.recording(), file) {
             (Some(_), None) if flags.names_learned() => Err(Failure::wrong_use(
                 "a recording has what the text decoder had learned before; use `--learned` with `--setup` and a setup of your own",
@@ -29,7 +29,8 @@ impl<'a> TracedSetup<'a> {
                     replay = replay.without_permissions();
                 }
                 say!("using the setup in {}", escape_path(path));
-                Ok(Self::Recorded(Box::new(replay), flags))
+                let named = flags.with_trusted_layout()?;
+                Ok(Self::Recorded(Box::new(replay), Box::new(named)))
             }
             (_, own) => Ok(Self::Own(Box::new(flags.read_setup(own)?))),
         }

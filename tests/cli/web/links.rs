@@ -87,6 +87,26 @@ fn a_layout_of_a_link_that_was_changed_stays_when_the_link_is_used_again() {
 }
 
 #[test]
+fn a_recording_is_traced_on_the_layout_of_a_link_that_is_trusted() {
+    let home = tempfile::tempdir().expect("a folder");
+    let shared = run(["layout", "share", "qwerty-arc"]).out;
+    let link = shared.trim();
+    let path = home.path().join("hand.mcap");
+    run(["record", text(&path), "--source", "typist:hi"]).done();
+    let source = format!("recording:{}", text(&path));
+    let trace = |layout: &[&str]| {
+        let arguments = ["trace", "touches", "--source", &source, "--layout"];
+        run_in(home.path(), &[&arguments[..], layout].concat())
+    };
+    let refused = trace(&[link]);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert!(refused.err.contains("add --trust"), "{}", refused.err);
+    let traced = trace(&[link, "--trust"]).done();
+    assert_ne!(traced.out, "");
+    assert!(traced.out == trace(&["qwerty-arc"]).done().out);
+}
+
+#[test]
 fn a_link_in_a_setup_or_with_a_damaged_layout_is_refused() {
     let home = tempfile::tempdir().expect("a folder");
     let link = run(["layout", "share", "qwerty-arc"]).out;
