@@ -295,7 +295,7 @@ fn a_full_or_closed_standard_output_ends_it_without_a_panic() {
 }
 
 #[test]
-fn a_signal_during_the_search_ends_it() {
+fn a_signal_during_the_search_ends_it_unless_it_is_the_emergency_stop() {
     let folder = tempfile::tempdir().expect("a folder");
     let port = folder.path().join("port");
     let (clear, _) = postures();
@@ -303,7 +303,10 @@ fn a_signal_during_the_search_ends_it() {
     glove.stop_sending();
     let mut screen = on_terminal(&folder, &["--port", text(&port)]);
     screen.wait_for_text("listening to ");
+    signal("USR1", screen.program.0.id());
     signal("TERM", screen.program.0.id());
-    assert!(!screen.wait().success());
+    // A program that a signal kills has no code.
+    let code = screen.wait().code();
+    assert!(code.is_some_and(|it| it != 0), "{code:?}");
     assert!(!folder.path().join("config").exists());
 }

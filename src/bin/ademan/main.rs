@@ -191,7 +191,7 @@ impl Subcommand {
     fn block_signals(&self) -> Result<(), Failure> {
         match self {
             Self::Watchdog(_) => signal_mask::block_all(),
-            // They may run for hours, and type nothing.
+            // They may run or wait for long, and type nothing.
             Self::Arm(_)
             | Self::Body(_)
             | Self::Bridge(_)
@@ -202,6 +202,7 @@ impl Subcommand {
             | Self::Lab(_)
             | Self::Record(_)
             | Self::Share(_)
+            | Self::Start(_)
             | Self::Text(_)
             | Self::Trace(_) => signal_mask::block_emergency_stop(),
             _ => signal_mask::block_unused(),
