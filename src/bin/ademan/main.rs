@@ -197,6 +197,7 @@ impl Subcommand {
             | Self::Bridge(_)
             | Self::Calibrate(_)
             | Self::Cameras(_)
+            | Self::Ctl(_)
             | Self::Delay(_)
             | Self::Export(_)
             | Self::Lab(_)
