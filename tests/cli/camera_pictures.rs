@@ -313,7 +313,7 @@ fn a_film_that_is_a_list_of_other_films_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let pictures = [vec![(DVec2::new(50.0, 60.0), WHITE)], vec![]];
     let left = write_pictures(folder.path(), "left", &pictures);
-    let part = folder.path().join("part.ts");
+    let part = folder.path().join("part.mkv");
     if !make_film(&left, "25", &part) {
         return;
     }
@@ -322,7 +322,7 @@ fn a_film_that_is_a_list_of_other_films_is_refused() {
         "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\nfile://{}\n",
         text(&part)
     );
-    let lists = [playlist, "ffconcat version 1.0\nfile part.ts\n".to_owned()];
+    let lists = [playlist, "ffconcat version 1.0\nfile part.mkv\n".to_owned()];
     for (index, list) in lists.iter().enumerate() {
         let film = file(&folder, &format!("film{index}.mp4"), list);
         let refused = markers(&[film.into()], &[]);
@@ -338,11 +338,12 @@ fn make_film(pictures: &Path, rate_hz: &str, film: &Path) -> bool {
     ffmpeg
         .args(["-v", "error", "-framerate", rate_hz, "-i"])
         .arg(pictures.join("%d.png"));
-    let made = ffmpeg.args(["-c:v", "png"]).arg(film).status();
-    if made.is_err() {
+    let Ok(status) = ffmpeg.args(["-c:v", "png"]).arg(film).status() else {
         println!("SKIPPED: there is no ffmpeg");
-    }
-    made.is_ok()
+        return false;
+    };
+    assert!(status.success(), "{}", film.display());
+    true
 }
 
 /// Returns the first mark of each camera in a line.
