@@ -80,6 +80,24 @@ fn a_chord_is_held_until_its_first_key_is_released() {
 }
 
 #[test]
+fn a_key_that_outlasts_its_chord_ignores_presses_right_after_its_own_release() {
+    for end in ["index J up", "hide index"] {
+        let outlast = format!("index J down & middle K down; wait 60; {end}; wait 50; middle K up");
+        let again = "middle K down; wait 60; middle K up";
+        assert_eq!(
+            chords(&format!("{outlast}; {again}")),
+            "dn:Escape up:Escape",
+            "{end}"
+        );
+        assert_eq!(
+            chords(&format!("{outlast}; wait 50; {again}")),
+            "dn:Escape up:Escape dn:K up:K",
+            "{end}"
+        );
+    }
+}
+
+#[test]
 fn another_key_ends_the_chord_time() {
     assert_eq!(
         chords(

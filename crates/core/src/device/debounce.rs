@@ -15,8 +15,8 @@ pub(super) struct Debouncer {
 #[derive(Clone, Copy, Debug, Default)]
 struct Bounces {
     released_at: Option<Timestamp>,
-    /// The press of this source was ignored, and has not ended yet.
-    ignored: Option<PressSource>,
+    /// The source of its last press, until that has ended.
+    pressed_by: Option<PressSource>,
 }
 
 impl Debouncer {
@@ -34,17 +34,18 @@ impl Debouncer {
         }
     }
 
-    /// Records the end of a press that was ignored, if it is one: the key goes on to bounce, however often noise presses it.
-    pub(super) fn end_ignored(&mut self, index: usize, source: PressSource, time: Timestamp) {
+    /// Records the end of the last press of a key, also of one that had no effect: the key goes on to bounce, however often noise presses
+    /// it.
+    pub(super) fn end_press(&mut self, index: usize, source: PressSource, time: Timestamp) {
         if let Some(key) = self.keys.get_mut(index)
-            && key.ignored.take_if(|ignored| *ignored == source).is_some()
+            && key.pressed_by.take_if(|by| *by == source).is_some()
         {
             key.released_at = Some(time);
         }
     }
 
-    /// Returns `true` if a press follows the release of its key within `debounce`, and is to be ignored. A press before the release
-    /// comes from another finger and is not a bounce.
+    /// Notes a press. Returns `true` if it follows the release of its key within `debounce`, and is to be ignored. A press before the
+    /// release comes from another finger and is not a bounce.
     pub(super) fn ignores(
         &mut self,
         index: usize,
@@ -53,8 +54,8 @@ impl Debouncer {
         debounce: Duration,
     ) -> bool {
         let is_bounce = self.is_bounce(index, time, debounce);
-        if let Some(key) = self.keys.get_mut(index).filter(|_| is_bounce) {
-            key.ignored = Some(source);
+        if let Some(key) = self.keys.get_mut(index) {
+            key.pressed_by = Some(source);
         }
         is_bounce
     }

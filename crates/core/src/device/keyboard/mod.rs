@@ -174,7 +174,7 @@ impl Keyboard {
             {
                 self.debouncer.record_release(index, touch.time);
             }
-            self.debouncer.end_ignored(index, source, touch.time);
+            self.debouncer.end_press(index, source, touch.time);
         }
         self.pending.retain(|press| press.source != source);
         self.velocities
