@@ -9,6 +9,7 @@ use super::names::{name_of, rename_mentions, sequence_key, taken, value_names};
 use super::part::{ControlKind, Part, targets};
 use super::rows::take_out;
 use crate::document::{Node, quote, quoted_content};
+use crate::layout::BASE_LAYER;
 
 /// Changes the name of a part.
 pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Part>, EditError> {
@@ -36,7 +37,7 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
         return Ok(vec![part]);
     }
     let is_taken = match part {
-        Part::Layer(_) => has_layer(draft, name),
+        Part::Layer(_) => name == BASE_LAYER || has_layer(draft, name),
         _ => is_target && taken(draft).contains(name),
     };
     if name.trim().is_empty() || name.chars().any(char::is_control) || is_taken {
@@ -58,9 +59,7 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
         }
         match taken {
             Part::Layer(_) => {
-                if names_a_key(draft, "Layer", &old) {
-                    rename_mentions(draft, &old, name)?;
-                }
+                rename_implied(draft, "Layer", &old, name)?;
                 rename_found(draft, name, |node, text, found| {
                     collect_layers(node, text, &old, found);
                 });
@@ -107,6 +106,18 @@ fn names_a_key(draft: &Draft, action: &str, name: &str) -> bool {
     targets(text, draft.tree()).into_iter().any(is_named)
 }
 
+/// Replaces the mentions of a key that is named after the layer or sequence in its action. The key takes the new name, so that no other
+/// target may have it.
+fn rename_implied(draft: &mut Draft, action: &str, old: &str, new: &str) -> Result<(), EditError> {
+    if !names_a_key(draft, action, old) {
+        return Ok(());
+    }
+    if taken(draft).contains(new) {
+        return Err(EditError::Name(new.to_owned()));
+    }
+    rename_mentions(draft, old, new)
+}
+
 /// Renames a sequence in the map, in the actions that start it, and where a key without a name of its own is mentioned by it.
 fn rename_sequence(draft: &mut Draft, index: usize, name: &str) -> Result<(), EditError> {
     let key = sequence_key(draft.text(), draft.tree(), index);
@@ -117,9 +128,7 @@ fn rename_sequence(draft: &mut Draft, index: usize, name: &str) -> Result<(), Ed
     }
     let part = Part::Sequence(index);
     if let Some(old) = name_of(draft.text(), draft.tree(), part) {
-        if names_a_key(draft, "Sequence", &old) {
-            rename_mentions(draft, &old, name)?;
-        }
+        rename_implied(draft, "Sequence", &old, name)?;
         rename_found(draft, name, |node, text, found| {
             collect_sequences(node, text, &old, found);
         });
@@ -340,11 +349,42 @@ mod tests {
             };
             edit(text, &rename).map(|edited| edited.text)
         };
-        assert_eq!(renamed("y"), Err(EditError::Name("y".into())));
+        for other in ["y", "base"] {
+            assert_eq!(renamed(other), Err(EditError::Name(other.into())));
+        }
         // The key without a name of its own has that of its layer, by which its label mentions it.
         let expected = text.replace("\"x\"", "\"z\"");
         Layout::parse(&expected, "a.ron").expect("a label of a key");
         assert_eq!(renamed("z"), Ok(expected));
+    }
+
+    #[test]
+    fn a_layer_or_sequence_that_names_a_key_does_not_get_the_name_of_another_key() {
+        let text = r#"Layout(
+    name: "A",
+    boards: [(pose: (anchor: elbow), keys: [
+        (layer: "x", at_mm: (0, 0)),
+        (action: Sequence("copy"), at_mm: (40, 0)),
+        (code: "A", at_mm: (80, 0)),
+    ])],
+    layers: [(name: "x", keys: {})],
+    sequences: {"copy": [Tap("Home")]},
+)"#;
+        for part in [Part::Layer(0), Part::Sequence(0)] {
+            let renamed = |before: &str| {
+                let rename = Edit::Rename {
+                    part,
+                    name: "A".into(),
+                };
+                edit(before, &rename).map(|edited| edited.text)
+            };
+            assert_eq!(renamed(text), Err(EditError::Name("A".into())));
+            // A key with a name of its own does not take the new one.
+            let named = text.replace(", at_mm: (0, 0)", r#", name: "L", at_mm: (0, 0)"#);
+            let named = named.replace(", at_mm: (40, 0)", r#", name: "C", at_mm: (40, 0)"#);
+            let after = renamed(&named).expect("a name that no key has");
+            Layout::parse(&after, "a.ron").unwrap_or_else(|error| panic!("{error}"));
+        }
     }
 
     #[test]
