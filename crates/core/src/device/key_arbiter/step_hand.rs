@@ -69,7 +69,7 @@ impl KeyArbiter {
         self.hand.of_other_hand.clear();
     }
 
-    /// Sets whether the steps from now on are those of a pause, whose events are not sent.
+    /// Sets whether the steps from now on belong to a pause, whose events are not sent.
     pub fn set_paused(&mut self, is_paused: bool) {
         self.hand.is_paused = is_paused;
     }
