@@ -2,7 +2,7 @@
 
 use std::f32::consts::TAU;
 
-use parry3d::math::Vec3;
+use parry3d::math::{Vec2, Vec3};
 
 use super::Canvas;
 use super::raster::Corner;
@@ -49,15 +49,17 @@ impl Section {
         }
     }
 
-    fn point(&self, angle: f32) -> Vec3 {
-        self.center + self.across * angle.cos() + self.up * angle.sin()
+    /// Returns the point of the outline in a direction, whose length is 1.
+    fn point(&self, direction: Vec2) -> Vec3 {
+        self.center + self.across * direction.x + self.up * direction.y
     }
 }
 
 /// Adds the surface of a limb through these sections.
 pub(super) fn add(canvas: &mut Canvas, sections: &[Section], sides: usize) {
-    let at =
-        |ring: usize, side: usize| sections[ring].point((side % sides) as f32 / sides as f32 * TAU);
+    let angle = |side: usize| side as f32 / sides as f32 * TAU;
+    let circle: Vec<Vec2> = (0..sides).map(|it| Vec2::from_angle(angle(it))).collect();
+    let at = |ring: usize, side: usize| sections[ring].point(circle[side % sides]);
     let last = sections.len().saturating_sub(1);
     let mut corners = Vec::with_capacity(sections.len() * sides);
     for (ring, section) in sections.iter().enumerate() {
