@@ -102,7 +102,8 @@ pub fn watch(
     let recording = Recording {
         path: file.0.clone(),
         setup,
-        has_own_layout: true,
+        // The text of a recording or of an unsaved copy has no file: its name is no path on this machine.
+        has_own_layout: request.layout.path.is_some(),
     };
     let watched = WatchedPerson {
         score: score.clone(),
@@ -301,6 +302,30 @@ mod tests {
         let mut decoded = request(None);
         decoded.settings.decoder = LabDecoder::English;
         assert_same(decoded, 2);
+    }
+
+    #[test]
+    fn meshes_are_drawn_beside_a_layout_file_of_this_person_only() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        fs::write(folder.path().join("a.obj"), mesh).expect("a file");
+        let shipped = Document::shipped("qwerty-flat").expect("a shipped layout");
+        let end = shipped.text.rfind(')').expect("a bracket");
+        let trigger = r#"triggers: [(name: "Wrist", when: Angle(dof: "wrist-flexion", on_deg: 60, off_deg: 50, zero_deg: 0, full_deg: 70), shape: (file: "a.obj", joint: "wrist"))])"#;
+        let text = format!("{}{trigger}", &shipped.text[..end]);
+        let path = folder.path().join("own.ron");
+        fs::write(&path, &text).expect("a file");
+        let mut typed = request(None);
+        typed.layout = Document::new(path.display().to_string(), text);
+        let outcome = finish(&LabRun::start(typed)).expect("a result");
+        let (mut shown, people, score) = outcome.to_watch(0).expect("a person");
+        for file in [None, Some(path)] {
+            let is_file = file.is_some();
+            shown.layout.path = file;
+            let (_person, recording) = watch(&shown, &people, (0, &score)).expect("a person types");
+            let shapes = recording.first_model().shapes;
+            assert_eq!(shapes.mesh("a.obj").is_some(), is_file);
+        }
     }
 
     #[test]

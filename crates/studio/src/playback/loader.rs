@@ -53,7 +53,7 @@ pub struct Recording {
     pub path: PathBuf,
     /// Its setup, with the layout that replaces the recorded one, if any.
     pub setup: LoadedSetup,
-    /// `true` if this person has made it of a layout of their own, whose meshes are files on this machine.
+    /// `true` if this person has made it of a layout file of their own, beside which its meshes are.
     pub has_own_layout: bool,
 }
 

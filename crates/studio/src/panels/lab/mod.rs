@@ -6,6 +6,7 @@ mod people;
 mod results;
 mod watch;
 
+use std::path::Path;
 use std::sync::Arc;
 
 use eframe::egui;
@@ -115,7 +116,10 @@ impl LabState {
                 self.error = None;
                 self.run = Some(LabRun::start(LabRequest {
                     settings: self.settings.clone(),
-                    layout: Document::new(editor.name(), editor.text()),
+                    layout: Document {
+                        path: editor.path().map(Path::to_owned),
+                        ..Document::new(editor.name(), editor.text())
+                    },
                     other,
                 }));
             }
