@@ -193,14 +193,17 @@ impl Buffer {
         self.limbs[index] = surface.limb;
     }
 
-    fn into_image(self, opacity: f32) -> Image {
-        let faded = |color: Color| color.with_opacity(f32::from(color.0[3]) / 255.0 * opacity);
+    fn into_image(mut self, opacity: f32) -> Image {
+        // Most pixels around a hand are empty.
+        for color in self.colors.iter_mut().filter(|color| color.0[3] > 0) {
+            *color = color.with_opacity(f32::from(color.0[3]) / 255.0 * opacity);
+        }
         let [width, height] = self.size;
         let extent = Vec2::new(width as f32, height as f32) / self.density;
         Image {
             corners: [self.origin, self.origin + extent],
             size: self.size,
-            pixels: self.colors.into_iter().map(faded).collect(),
+            pixels: self.colors,
         }
     }
 }
