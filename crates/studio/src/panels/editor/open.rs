@@ -142,14 +142,12 @@ impl EditorPanel {
             self.message = problem.map(|it| Err(it.message.clone()));
             return;
         };
-        let name = self.editor.name().rsplit(['/', '\\']).next();
-        let name = name.unwrap_or_default();
         let beside = self.editor.path().map(Path::to_owned);
         let done = match beside {
             Some(_) => text("editor-exported"),
             None => text("editor-exported-here"),
         };
-        let path = beside.unwrap_or_else(|| PathBuf::from(name));
+        let path = beside.unwrap_or_else(|| PathBuf::from(self.last_name()));
         let path = path.with_extension(extension);
         let svg = layout.to_svg(&Wearer::default());
         let picture = svg.map_err(|error| error.to_string()).and_then(convert);
@@ -371,5 +369,16 @@ mod tests {
         assert_eq!(panel.editor.text(), TWO_KEYS);
         assert_eq!(panel.editor.path(), None);
         assert!(!panel.editor.is_modified());
+    }
+
+    #[test]
+    fn a_copy_of_a_layout_that_was_recorded_on_another_system_is_saved_in_the_working_folder() {
+        for name in ["mine.ron", "/home/a/mine.ron", "C:\\layouts\\mine.ron"] {
+            let recorded = Layout::parse(TWO_KEYS, name).expect("a layout");
+            let mut panel = EditorPanel::of_recording(&recorded, None);
+            panel.ask_for_path();
+            let path = panel.save_as.map(|asked| asked.path);
+            assert_eq!(path.as_deref(), Some("my-mine.ron"), "{name}");
+        }
     }
 }

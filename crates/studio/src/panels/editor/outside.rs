@@ -16,7 +16,7 @@ const POLL_PERIOD: Duration = Duration::from_millis(500);
 /// A name that is written to save a copy.
 #[derive(Default)]
 pub(super) struct SaveAs {
-    path: String,
+    pub path: String,
     /// The file exists; a second click replaces it.
     may_replace: bool,
     /// The window closes after the copy is saved.
@@ -339,15 +339,18 @@ impl EditorPanel {
         }
         let path = match self.editor.path() {
             Some(path) => path.to_string_lossy().into_owned(),
-            None => {
-                let name = self.editor.name().rsplit('/').next().unwrap_or_default();
-                format!("my-{}.ron", name.trim_end_matches(".ron"))
-            }
+            None => format!("my-{}.ron", self.last_name().trim_end_matches(".ron")),
         };
         self.save_as = Some(SaveAs {
             path,
             ..SaveAs::default()
         });
+    }
+
+    /// Returns the last part of the name of the layout, which may be a path of another system.
+    pub(super) fn last_name(&self) -> &str {
+        let name = self.editor.name().rsplit(['/', '\\']).next();
+        name.unwrap_or_default()
     }
 
     /// Returns `true` if unsaved work would be lost with another layout in place of this one.
