@@ -295,11 +295,14 @@ mod tests {
     #[test]
     fn the_picture_of_a_layout_without_a_file_is_in_the_working_folder() {
         let name = "picture-without-file.ron";
+        let picture = Path::new(name).with_extension("svg");
+        // A run that was killed has left it.
+        let _ = fs::remove_file(&picture);
         let editor = LayoutEditor::from_text(name, TWO_KEYS, Fit::default());
         let mut panel = EditorPanel::of(editor, None);
         panel.export_svg();
         assert_eq!(panel.message, Some(Ok(text("editor-exported-here"))));
-        fs::remove_file(Path::new(name).with_extension("svg")).expect("the picture");
+        fs::remove_file(picture).expect("the picture");
     }
 
     #[test]
