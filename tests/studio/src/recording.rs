@@ -129,6 +129,24 @@ fn scrubbing_shows_what_playing_shows() {
 }
 
 #[test]
+fn a_question_keeps_its_keys_from_the_recording() {
+    let mut recorded = Recorded::open();
+    recorded.go_to(5);
+    recorded.window.click(text("workspace-layout"));
+    recorded.press(Modifiers::COMMAND, Key::O);
+    assert!(recorded.window.has(text("editor-open-title")));
+    recorded.leave();
+    let context = recorded.window.harness.ctx.clone();
+    assert_eq!(context.memory(|memory| memory.focused()), None);
+    recorded.press(Modifiers::NONE, Key::ArrowRight);
+    assert_eq!(recorded.position(), 5);
+    recorded.press(Modifiers::NONE, Key::Escape);
+    assert!(!recorded.window.has(text("editor-open-title")));
+    recorded.press(Modifiers::NONE, Key::ArrowRight);
+    assert_eq!(recorded.position(), 6);
+}
+
+#[test]
 fn a_part_is_exported_and_can_be_opened() {
     let mut recorded = Recorded::open();
     for (index, mark) in [(20, "recording-from"), (59, "recording-to")] {

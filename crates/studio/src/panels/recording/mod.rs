@@ -9,7 +9,7 @@ use eframe::egui::{self, Key, Modifiers};
 
 use self::comparison::ComparisonState;
 use self::part::PartState;
-use super::{PanelContext, PanelState, look};
+use super::{PanelContext, PanelState, editor, look};
 use crate::playback::{Move, Player, SPEEDS};
 use crate::texts::{text, text_with};
 
@@ -63,8 +63,9 @@ pub(super) fn show(
     if has_focus {
         look::keep_arrow_keys(ui);
     }
-    // Keys belong to a field or button that has the focus.
-    if has_focus || ui.memory(|memory| memory.focused().is_none()) {
+    // Keys belong to a field or button that has the focus, or to a question.
+    let is_free = has_focus || ui.memory(|memory| memory.focused().is_none());
+    if is_free && !editor::is_asked(ui) {
         moves.extend(pressed_keys(ui, player));
     }
 }
