@@ -200,6 +200,20 @@ fn a_session_that_waits_for_a_permission_can_be_cancelled() {
 }
 
 #[test]
+fn escape_cancels_a_session_that_waits_and_leaves_the_devices_open() {
+    let (mut window, _folder) = open();
+    let before = window.setup();
+    window.is_held.set(true);
+    choose(&mut window, text("devices-person"), "adult");
+    assert!(window.has(text("devices-waiting")));
+    window.harness.key_press(egui::Key::Escape);
+    window.draw();
+    assert!(!window.has(text("devices-waiting")));
+    assert_eq!(window.setup(), before);
+    assert!(window.has(text("devices-words")));
+}
+
+#[test]
 fn an_output_into_other_programs_waits_for_the_person() {
     let (mut window, _folder) = open_on("piano");
     window.enter(text("devices-output"), "osc:127.0.0.1:9");

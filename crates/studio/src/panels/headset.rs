@@ -1,8 +1,8 @@
 //! The window with the link for a headset, and the consent to its keys.
 
-use eframe::egui::{self, Align2, Color32, Key, Modifiers, Rect, Sense, Vec2, WidgetInfo};
+use eframe::egui::{self, Align2, Color32, Rect, Sense, Vec2, WidgetInfo};
 
-use super::{PanelContext, PanelState};
+use super::{PanelContext, PanelState, help};
 use crate::headset::{HeadsetWindow, QrModules};
 use crate::texts::{text, text_with};
 use ademan_core::command::Command;
@@ -58,7 +58,7 @@ pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCon
     let status = context.session.view.state.headset.clone();
     let status = status.unwrap_or_default();
     window.update(&status);
-    if window.is_open && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
+    if window.is_open && help::is_escape_pressed(ui) {
         window.is_open = false;
     }
     let mut is_open = window.is_open && !context.session.has_ended;

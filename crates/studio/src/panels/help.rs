@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, Align2, Key, Modifiers};
 
-use super::PanelState;
 use super::actions::{ACTIONS, OTHER_KEYS};
+use super::{PanelState, editor};
 use crate::texts::text;
 
 /// Height of the window above and below the list of keys, with its title and hint, in points.
@@ -45,6 +45,7 @@ fn show_key_list(ui: &mut egui::Ui) {
     });
 }
 
+/// Returns `true` if Escape was pressed to close a window, and not to answer a question.
 pub(super) fn is_escape_pressed(ui: &egui::Ui) -> bool {
-    ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
+    !editor::is_asked(ui) && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
 }

@@ -6,10 +6,10 @@ mod source;
 use std::env;
 use std::path::PathBuf;
 
-use eframe::egui::{self, Align2, Key, Modifiers, Vec2};
+use eframe::egui::{self, Align2, Vec2};
 
 use self::choice::Choice;
-use super::{PanelContext, PanelState, file_field};
+use super::{PanelContext, PanelState, file_field, help};
 use crate::disk_search::DiskSearch;
 use crate::first_start::Search;
 use crate::recent::RecentFiles;
@@ -105,7 +105,7 @@ pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCon
         (window.search, window.recordings, window.own) = (None, None, None);
         return;
     }
-    if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
+    if help::is_escape_pressed(ui) {
         window.is_open = false;
     }
     let recordings = window.recordings.get_or_insert_with(|| {
