@@ -292,18 +292,20 @@ fn check(text: &str, expected: &str) {
         .lines()
         .nth(error.line().unwrap() - 1)
         .unwrap_or_default();
-    let whole = format!(" {} | {source}", error.line().unwrap());
+    // A long line is cut, so that it fits into a terminal.
+    let number = error.line().unwrap().to_string();
     let excerpt = lines.next().unwrap();
-    match excerpt.strip_suffix('…') {
-        // It fits into a terminal.
-        Some(part) => assert!(whole.starts_with(part) && excerpt.chars().count() <= 80),
-        None => assert_eq!(excerpt, whole),
-    }
+    assert!(excerpt.chars().count() <= 80, "{excerpt}");
+    let shown = excerpt.strip_prefix(&format!(" {number} | ")).unwrap();
+    let part = shown.trim_start_matches('…').trim_end_matches('…');
+    let skipped = source.split(part).next().unwrap().chars().count();
+    let is_whole = source.chars().count() <= 70;
+    assert_eq!(source == part, is_whole, "{text_of_error}");
+    let cut = usize::from(shown.starts_with('…'));
     let caret = lines.next().unwrap().chars().position(|c| c == '^');
-    let gutter = error.line().unwrap().to_string().len() + 3;
     assert_eq!(
         caret,
-        Some(error.column().unwrap() + gutter),
+        Some(error.column().unwrap() - skipped + cut + number.len() + 3),
         "{text_of_error}"
     );
     assert_eq!(lines.next(), None);

@@ -230,8 +230,9 @@ fn a_watcher_draws_the_layout_for_the_hand_of_the_run() {
     let loaded = Setup::load(setup.to_str().unwrap()).unwrap();
     let expected = loaded.load_files().unwrap().layout;
     assert_ne!(expected.fit, Fit::default());
-    let mut command = ademan(["run", "--control"]);
+    let mut command = ademan(["run"]);
     command
+        .arg("--control")
         .arg(&socket)
         .arg(&setup)
         .stderr(std::process::Stdio::null());
