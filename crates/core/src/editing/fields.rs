@@ -329,7 +329,7 @@ mod tests {
             };
             edit(BOARD, &set).map(|edited| edited.text)
         };
-        for value in ["\"B\" // b", "\"B\" // b\n", "/* b */ \"B\"", "\"B", ""] {
+        for value in ["\"B\" // b", "\"B\" // b\n", "/* b */ \"B\"", ""] {
             let error = set(value).unwrap_err();
             assert!(matches!(error, EditError::Value(_)), "{value}: {error}");
         }

@@ -4,9 +4,11 @@
 //! would otherwise disable the emergency stop.
 
 use std::fs;
+use std::sync::Arc;
 
 use nix::errno::Errno;
 use nix::sys::signal::{SigSet, Signal};
+use signal_hook::flag;
 
 use crate::failure::Failure;
 
@@ -47,6 +49,9 @@ pub fn block_unused() -> Result<(), Failure> {
 /// Ignores what [`block_unused`] ignores, and SIGUSR1, for a command that types nothing: the emergency stop is sent to all programs of
 /// this name.
 pub fn block_emergency_stop() -> Result<(), Failure> {
+    // The library of serial lines waits without the mask: then a handler without an effect takes the signal.
+    flag::register(Signal::SIGUSR1 as i32, Arc::default())
+        .map_err(|error| Failure::job(format!("cannot handle SIGUSR1: {error}")))?;
     let mut ignored = unused();
     ignored.add(Signal::SIGUSR1);
     ignored.thread_set_mask().map_err(failed)
