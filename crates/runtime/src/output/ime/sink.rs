@@ -32,22 +32,8 @@ pub fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
         required: &required,
         watchdog: request.watchdog,
     };
-    Ok(Box::new(Ime {
-        composition: Composition::default(),
-        outlet: Outlet {
-            outputs: Outputs::open(request.name, backend, &keys, &field)?,
-            focused: field,
-            events: Events::new(),
-            field: 0,
-            is_idle: true,
-            dropped_characters: 0,
-            result: Ok(()),
-        },
-        composes_words: false,
-        adds_capitals: false,
-        listed: Candidates::new(),
-        is_closed: false,
-    }))
+    let outputs = Outputs::open(request.name, backend, &keys, &field)?;
+    Ok(Box::new(Ime::new(outputs, field)))
 }
 
 /// A sink that sends text to the input method of the desktop, and everything else to another sink.
@@ -62,6 +48,27 @@ struct Ime {
     /// The candidates that the desktop lists.
     listed: Candidates,
     is_closed: bool,
+}
+
+impl Ime {
+    fn new(outputs: Outputs, focused: Arc<FocusedField>) -> Self {
+        Self {
+            composition: Composition::default(),
+            outlet: Outlet {
+                outputs,
+                focused,
+                events: Events::new(),
+                field: 0,
+                is_idle: true,
+                dropped_characters: 0,
+                result: Ok(()),
+            },
+            composes_words: false,
+            adds_capitals: false,
+            listed: Candidates::new(),
+            is_closed: false,
+        }
+    }
 }
 
 /// The ways out of a step.
@@ -260,22 +267,8 @@ mod tests {
             let (desktop, gate) = display.open();
             let field = Arc::new(FocusedField::default());
             field.enter(FieldKind::Text);
-            let mut ime = Ime {
-                composition: Composition::default(),
-                outlet: Outlet {
-                    outputs: Outputs::Compositor(Box::new(desktop)),
-                    focused: field,
-                    events: Events::new(),
-                    field: 0,
-                    is_idle: true,
-                    dropped_characters: 0,
-                    result: Ok(()),
-                },
-                composes_words: true,
-                adds_capitals: false,
-                listed: Candidates::new(),
-                is_closed: false,
-            };
+            let mut ime = Ime::new(Outputs::Compositor(Box::new(desktop)), field);
+            ime.composes_words = true;
             ime.send(&[down(1, "H"), up(1, "H"), down(2, "I")]).unwrap();
             // As in each turn of a loop that is paused.
             for _ in 0..3 {
