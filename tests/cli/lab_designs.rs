@@ -124,7 +124,7 @@ fn improve<'a>(pad: &'a str, phrases: &'a str, people: &'a str, count: &'a str) 
 
 const PHRASES: &str = "1212121212\n2121211212\n1221121212\n2112211212\n";
 
-/// Runs the program with a standard output that nobody reads. Returns the messages.
+/// Runs the program with a standard output that is not read. Returns the messages.
 pub(super) fn run_unread(mut command: Command) -> String {
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut program = command.spawn().expect("the program starts");

@@ -242,7 +242,7 @@ impl DeviceOutput<'_> {
     }
 
     /// Returns `true` if the session is paused: the events of the step are not sent, and only commands that end the pause are executed.
-    /// What a control keeps beyond the pause, such as the value of a slider, must not change.
+    /// The state of a control that outlasts the pause, such as the value of a slider, must not change.
     pub fn is_paused(&self) -> bool {
         self.arbiter.is_paused()
     }

@@ -352,7 +352,7 @@ mod tests {
         for other in ["y", "base"] {
             assert_eq!(renamed(other), Err(EditError::Name(other.into())));
         }
-        // The key without a name of its own has that of its layer, by which its label mentions it.
+        // A key without a name of its own is named after its layer, and its label mentions it by that name.
         let expected = text.replace("\"x\"", "\"z\"");
         Layout::parse(&expected, "a.ron").expect("a label of a key");
         assert_eq!(renamed("z"), Ok(expected));

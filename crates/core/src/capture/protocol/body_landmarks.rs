@@ -297,11 +297,11 @@ mod tests {
     #[test]
     fn an_image_without_a_person_shows_nothing_of_the_body_that_was_seen_before() {
         let body = encode(&some_body());
-        let nobody = "{\"pose_world_landmarks\":null}\n";
+        let no_person = "{\"pose_world_landmarks\":null}\n";
         let of_bridge = "{\"time_us\":5,\"image_size\":[640,480],\"hands\":[]}\n";
         let mut decoder = decoder();
         let mut visible = Vec::new();
-        for line in [nobody, of_bridge, body.as_str(), nobody, "{}\n"] {
+        for line in [no_person, of_bridge, body.as_str(), no_person, "{}\n"] {
             decoder.push(line.as_bytes(), &mut |packet| {
                 let Sample::Body(shown) = packet.sample else {
                     panic!("no body");
@@ -317,7 +317,7 @@ mod tests {
             "the line without fields"
         );
         decoder.reset();
-        decoder.push(nobody.as_bytes(), &mut |packet| panic!("{packet:?}"));
+        decoder.push(no_person.as_bytes(), &mut |packet| panic!("{packet:?}"));
     }
 
     #[test]

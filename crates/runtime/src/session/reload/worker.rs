@@ -249,8 +249,8 @@ where
         Ok(outcome)
     }
 
-    /// Reports the outcome of a change of the file of a layout, unless that of another layout with the same file was the same: two
-    /// profiles may differ only in the text decoder.
+    /// Reports the outcome of a change of a layout file, unless another layout with the same file has just reported the same: two profiles
+    /// may differ only in the text decoder.
     fn report_once(&mut self, index: usize, report: LayoutReport) {
         let text = report.to_string();
         let mut reported = self.reported.iter();
