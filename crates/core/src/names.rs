@@ -90,7 +90,10 @@ impl UnknownName {
         text: &str,
         valid: impl IntoIterator<Item = &'a str>,
     ) -> Self {
-        let valid: Vec<&str> = valid.into_iter().collect();
+        Self::among(kind, text, valid.into_iter().collect())
+    }
+
+    fn among(kind: &'static str, text: &str, valid: Vec<&str>) -> Self {
         let usual = OTHER_WORDS.into_iter().find_map(|(word, name)| {
             let is_meant = text.eq_ignore_ascii_case(word) && valid.contains(&name);
             is_meant.then_some(name)

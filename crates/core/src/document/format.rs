@@ -4,7 +4,7 @@ use ron::error::SpannedError;
 use serde::Deserialize;
 
 use super::field_names::Structure;
-use super::ron_options;
+use super::reader;
 
 /// A format of file.
 pub struct Format {
@@ -30,5 +30,5 @@ impl Format {
 
 /// Reads a text as `T` and returns the first error.
 pub fn first_error<'a, T: Deserialize<'a>>(text: &'a str) -> Option<SpannedError> {
-    ron_options().from_str::<T>(text).err()
+    reader::read::<T>(text).err()
 }

@@ -10,6 +10,7 @@ mod fields;
 mod format;
 mod pairs;
 mod ranged;
+mod reader;
 mod ron_error;
 mod scan;
 mod shipped;
@@ -80,7 +81,7 @@ impl Document {
 
     /// Deserialises the text as a format, with all errors.
     pub fn parse_as<'a, T: Deserialize<'a>>(&'a self, format: &Format) -> Result<T, DocumentError> {
-        let read = ron_options().from_str(&self.text);
+        let read = reader::read(&self.text);
         read.map_err(|error| all_errors::all_errors(self, format, error))
     }
 
@@ -100,7 +101,7 @@ impl Document {
 /// Optional fields are written without `Some`. An error has a position, states what is expected there, and suggests the
 /// nearest valid name. Nesting deeper than 128 levels is an error.
 pub fn parse_ron<'a, T: Deserialize<'a>>(text: &'a str, file: &str) -> Result<T, DocumentError> {
-    ron_options().from_str(text).map_err(|error| {
+    reader::read(text).map_err(|error| {
         let explained = ron_error::explain(text, &error, &Format::PLAIN);
         DocumentError::at(file, text, explained.range, explained.message)
     })

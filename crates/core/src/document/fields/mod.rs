@@ -134,28 +134,14 @@ impl Row {
     /// Describes a field of type `T`.
     #[doc(hidden)]
     pub fn field<T: FieldType>(name: String, attributes: &Attributes, is_optional: bool) -> Self {
-        let is_required = !is_optional && !T::is_optional() && !attributes.has("default");
-        let default = match attributes.stated_default() {
-            Some(default) => default,
-            None if is_required => "required".into(),
-            None => T::default_text(),
+        let field = Description {
+            shape: T::shape,
+            is_optional: is_optional || T::is_optional(),
+            default_text: T::default_text,
+            explanation: T::explanation,
+            collect_tables: T::collect_tables,
         };
-        let mut meaning = attributes.meaning();
-        if meaning.is_empty() {
-            meaning = meaning_of_table::<T>();
-        }
-        let explanation = T::explanation();
-        if !explanation.is_empty() {
-            meaning = format!("{meaning}. {explanation}");
-        }
-        Self {
-            name,
-            default,
-            values: T::shape().words(),
-            meaning,
-            shapes: vec![T::shape()],
-            is_required,
-        }
+        field.row(name, attributes)
     }
 
     /// Describes a value of an enumeration with these contents.
@@ -170,6 +156,51 @@ impl Row {
             shapes: contents,
             is_required: false,
         }
+    }
+}
+
+/// The functions of a [`FieldType`], so that the code that calls them is compiled once.
+struct Description {
+    shape: fn() -> Shape,
+    is_optional: bool,
+    default_text: fn() -> String,
+    explanation: fn() -> String,
+    collect_tables: fn(&mut Vec<Table>),
+}
+
+impl Description {
+    fn row(&self, name: String, attributes: &Attributes) -> Row {
+        let is_required = !self.is_optional && !attributes.has("default");
+        let default = match attributes.stated_default() {
+            Some(default) => default,
+            None if is_required => "required".into(),
+            None => (self.default_text)(),
+        };
+        let mut meaning = attributes.meaning();
+        if meaning.is_empty() {
+            meaning = self.meaning_of_table();
+        }
+        let explanation = (self.explanation)();
+        if !explanation.is_empty() {
+            meaning = format!("{meaning}. {explanation}");
+        }
+        let shape = (self.shape)();
+        Row {
+            name,
+            default,
+            values: shape.words(),
+            meaning,
+            shapes: vec![shape],
+            is_required,
+        }
+    }
+
+    /// Returns the meaning of the first table of the type.
+    fn meaning_of_table(&self) -> String {
+        let mut tables = Vec::new();
+        (self.collect_tables)(&mut tables);
+        let first = tables.into_iter().next();
+        first.map_or(String::new(), |table| table.meaning)
     }
 }
 
@@ -207,14 +238,6 @@ impl Values {
         let name = self.default.as_ref();
         name.map_or("none".into(), |name| format!("`{name}`"))
     }
-}
-
-/// Returns the meaning of the first table of a type.
-fn meaning_of_table<T: FieldType>() -> String {
-    let mut tables = Vec::new();
-    T::collect_tables(&mut tables);
-    let first = tables.into_iter().next();
-    first.map_or(String::new(), |table| table.meaning)
 }
 
 /// Adds a table, and returns `false` if it was there before.
