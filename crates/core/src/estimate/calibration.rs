@@ -50,6 +50,10 @@ impl AffineMap {
     /// # Errors
     /// Fails with fewer than two poses, if all raw values are equal, or if a number is not finite.
     pub fn fit(poses: &[(f64, f64)]) -> Result<Self, FitError> {
+        // The mean of equal values may differ from them by rounding.
+        if poses.windows(2).all(|pair| pair[0].0 == pair[1].0) {
+            return Err(FitError { poses: poses.len() });
+        }
         let count = poses.len() as f64;
         let mean_value = poses.iter().map(|pose| pose.0).sum::<f64>() / count;
         let mean_angle = poses.iter().map(|pose| pose.1).sum::<f64>() / count;
@@ -96,6 +100,8 @@ mod tests {
     fn poses_with_equal_values_do_not_determine_a_map() {
         let error = AffineMap::fit(&[(100.0, 0.0), (100.0, 1.5)]).unwrap_err();
         assert!(error.to_string().contains("2 poses"));
+        // The mean of three times 0.1 is 0.10000000000000002.
+        assert!(AffineMap::fit(&[(0.1, 0.0), (0.1, 1.5), (0.1, 3.0)]).is_err());
         assert!(AffineMap::fit(&[]).is_err());
         assert!(AffineMap::fit(&[(0.0, f64::NAN), (1.0, 1.0)]).is_err());
     }
