@@ -106,7 +106,8 @@ pub(super) fn split_time(line: &str) -> Result<(&str, Option<u64>), PacketError>
 pub fn parse(line: &str) -> Result<[f64; VALUES], PacketError> {
     let mut values = [0.0; VALUES];
     let mut count = 0;
-    for word in line.split_ascii_whitespace() {
+    let words = line.trim_end_matches(['\r', '\n']).split([' ', '\t']);
+    for word in words.filter(|word| !word.is_empty()) {
         let value: f64 = word.parse().map_err(|_| {
             let text = format!("`{}` is not a number", escape(word));
             PacketError::new(InvalidPacket::Unknown, text)
@@ -258,6 +259,18 @@ mod tests {
         let mut cut = numbers;
         cut[0] = 7.0;
         assert_eq!(angles(&cut), angles(&numbers));
+    }
+
+    #[test]
+    fn only_blanks_and_tabs_separate_numbers() {
+        let half = ["1.5"; VALUES / 2].join(" ");
+        let line = |between: &str, last: &str| format!("{half}{between}{half}{last}");
+        for (separator, end) in [(" ", "\n"), ("\t \t", " \r\n"), (" ", "\t"), (" ", "")] {
+            assert_eq!(parse(&line(separator, end)), Ok([1.5; VALUES]));
+        }
+        for separator in ["\r", "\n", "\u{b}", "\u{c}", "\u{a0}", ",", ""] {
+            assert!(parse(&line(separator, "\n")).is_err(), "{separator:?}");
+        }
     }
 
     #[test]
