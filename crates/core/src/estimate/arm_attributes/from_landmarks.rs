@@ -141,7 +141,8 @@ impl Turns {
     fn of_straight_elbow(&self) -> [f64; 2] {
         let full = self.hand_from_shoulder * self.full_normal;
         let across = self.elbow_from_wrist.cross(full);
-        let turn = angle_between(self.palm, across);
+        // Across is shorter than 1 if the elbow is not quite straight; the formula takes the cosine as it is.
+        let turn = self.palm.dot(across).clamp(-1.0, 1.0).acos();
         let total = if sign(self.side) * self.palm.dot(full) >= 0.0 {
             turn
         } else {

@@ -128,6 +128,37 @@ fn a_straight_elbow_shares_its_turn_equally() {
 }
 
 #[test]
+fn a_nearly_straight_elbow_has_the_turn_of_the_formula() {
+    let Trunk { shoulders, hips } = trunk();
+    let elsewhere = ArmLandmarks {
+        shoulder: shoulders[1],
+        elbow: shoulders[1],
+        wrist: shoulders[1],
+        little: shoulders[1],
+        index: shoulders[1],
+        thumb: shoulders[1],
+    };
+    // The upper arm and the forearm are 9e-4 rad apart.
+    let left = ArmLandmarks {
+        shoulder: shoulders[0],
+        elbow: DVec3::new(478.2421, 276.3923, -44.4204),
+        wrist: DVec3::new(550.0368, 346.3529, -89.7087),
+        little: DVec3::new(569.1, 372.7, -115.9),
+        index: DVec3::new(583.9, 372.2, -98.1),
+        thumb: DVec3::new(581.0, 360.3, -79.8),
+    };
+    let pose = HalfPose {
+        arms: [left, elsewhere],
+        hips,
+    };
+    let found = ArmAttributes::from_landmarks(&pose, Side::Left).expect("attributes");
+    assert_eq!(found.elbow_angle, PI);
+    // From an independent program: acos(m · r) / 2, and π/2 less.
+    assert!((found.shoulder_rotation - 0.012_590_580_695_6).abs() < 1e-9);
+    assert!((found.elbow_rotation + 1.558_205_746_099_2).abs() < 1e-9);
+}
+
+#[test]
 fn a_mirrored_pose_has_mirrored_attributes() {
     let mut random = fastrand::Rng::with_seed(31);
     for _ in 0..500 {
