@@ -244,6 +244,21 @@ fn missing_landmarks_cost_only_the_attributes_that_need_them() {
             assert!(hand[name].is_null(), "{name}: {hand}");
         }
     }
+
+    // Without the hip, the elbow and the wrist have their angles.
+    let mut hip_rows = case["half_pose"].clone();
+    hip_rows[12] = Value::Null;
+    let hip_pose = file(&folder, "hip.json", hip_rows.to_string());
+    let without_hip = run(["arm", "attributes", &hip_pose, "--image-size", &size]).done();
+    let without_hip = &lines(&without_hip.out)[0]["left"];
+    for (reference, name) in NAMES {
+        if ["shoulder_direction", "shoulder_rotation", "elbow_rotation"].contains(&name) {
+            assert!(without_hip[name].is_null(), "{name}: {without_hip}");
+        } else {
+            let expected = &case["attributes"][format!("left_{reference}")];
+            assert_close(&without_hip[name], expected, 1e-6, name);
+        }
+    }
     let back = file(&folder, "attributes.jsonl", &printed.out);
     let refused = run(["arm", "landmarks", &back]);
     assert_eq!(refused.code, Some(2));

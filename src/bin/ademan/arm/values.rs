@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use ademan::estimate::arm_attributes::{
     ArmAttributes, ArmAttributesError, ArmLandmarks, FullRotation, HalfPose, MIN_ELBOW_SINE,
-    STRAIGHT_LANDMARKS, Trunk, hand_basis, shoulder_basis,
+    STRAIGHT_LANDMARKS, Trunk, hand_basis, shoulder_basis, wrist_angles,
 };
 use ademan::geometry::angle_between;
 use ademan::hand::Side;
@@ -96,8 +96,8 @@ impl Line {
 }
 
 impl ArmValues {
-    /// Returns the attributes that incomplete landmarks determine: all but those that need the missing ones. With `is_signed`, the
-    /// shoulder rotation is negative past the full rotation.
+    /// Returns the attributes that incomplete landmarks determine: all but those that need the missing ones, and the elbow rotation.
+    /// With `is_signed`, the shoulder rotation is negative past the full rotation.
     fn partial(pose: &HalfPose, side: Side, is_signed: bool) -> Self {
         let arm = pose.arm(side);
         let length = |from: DVec3, to: DVec3| Some(from.distance(to)).filter(|it| is_length(*it));
@@ -124,13 +124,19 @@ impl ArmValues {
             ..*arm
         };
         if let Ok(image_from_hand) = hand_basis(&hand, side) {
+            let hand_from_image = image_from_hand.transpose();
             let from_wrist = |point: DVec3| {
-                let vector = image_from_hand.transpose() * (point - arm.wrist);
+                let vector = hand_from_image * (point - arm.wrist);
                 Some(vector.to_array()).filter(|_| vector.is_finite())
             };
             values.little_vector = from_wrist(arm.little);
             values.index_vector = from_wrist(arm.index);
             values.thumb_vector = from_wrist(arm.thumb);
+            if let Some(elbow_from_wrist) = (hand_from_image * -forearm).try_normalize() {
+                let (inclination, rotation) = wrist_angles(elbow_from_wrist);
+                values.wrist_inclination = Some(inclination);
+                values.wrist_rotation = Some(rotation);
+            }
         }
         let Ok(image_from_shoulder) = shoulder_basis(&pose.trunk(), side) else {
             return values;

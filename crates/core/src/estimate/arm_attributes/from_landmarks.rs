@@ -98,9 +98,9 @@ fn direction(limb: DVec3, smallest: f64) -> Option<DVec3> {
     (limb.length() > smallest).then(|| unit(limb)).flatten()
 }
 
-/// Returns inclination and rotation of the wrist. `elbow_from_wrist` is the direction from wrist to elbow in the basis of
-/// the hand.
-fn wrist_angles(elbow_from_wrist: DVec3) -> (f64, f64) {
+/// Returns inclination and rotation of the wrist. `elbow_from_wrist` is the unit direction from wrist to elbow in the
+/// [basis of the hand](hand_basis).
+pub fn wrist_angles(elbow_from_wrist: DVec3) -> (f64, f64) {
     let DVec3 { x, y, z } = elbow_from_wrist;
     let inclination = x.hypot(y).atan2(-z);
     if inclination <= NO_INCLINATION {

@@ -24,6 +24,7 @@ mod tests;
 mod to_landmarks;
 
 pub use bases::{hand_basis, shoulder_basis};
+pub use from_landmarks::wrist_angles;
 pub use full_rotation::FullRotation;
 pub use half_pose::{ArmLandmarks, HALF_POSE_ROWS, HalfPose, ImageSize, Trunk};
 
