@@ -193,7 +193,8 @@ impl GloveSchema<'_> {
     fn assumed_angles(&self) -> Result<Vec<(Dof, f64)>, String> {
         let check = |(&dof, &degrees): (&Dof, &f64)| {
             let radians = radians_within_limits(dof, degrees)?;
-            if self.rows.iter().any(|row| row.dof == dof) {
+            let mut enabled = self.rows.iter().filter(|row| row.disabled.is_none());
+            if enabled.any(|row| row.dof == dof) {
                 Err(format!(
                     "{dof} is both measured and assumed, remove one of them"
                 ))
@@ -387,6 +388,21 @@ mod tests {
             let error = with(&fields);
             assert!(error.contains(message), "{error}");
         }
+    }
+
+    #[test]
+    fn an_angle_whose_row_is_disabled_may_be_assumed() {
+        let row = "label: \"a\", dof: \"elbow-flexion\", channel: 1, offset_counts: 0, full_scale_rad: 1, offset_rad: 0";
+        let text = format!(
+            "Glove(name: \"g\", side: \"right\", full_scale_counts: 255, rows: [({row}, disabled: \"loose\")], assumed_deg: {{\"elbow-flexion\": 90}})"
+        );
+        let glove = Glove::parse(&Document::new("g.ron", text)).unwrap();
+        assert!(glove.map.rows().is_empty());
+        let right_angle = 90_f64.to_radians();
+        assert_eq!(
+            glove.map.assumed_angles(),
+            [(Dof::ElbowFlexion, right_angle)]
+        );
     }
 
     #[test]
