@@ -15,8 +15,5 @@ pub const MAX_FRAMES: u64 = 100_000_000;
 /// Longest word in bytes: a name or a number.
 pub const MAX_TOKEN_BYTES: usize = 256;
 
-/// Longest line in bytes: [`MAX_CHANNELS`] numbers of about 40 characters.
-pub const MAX_LINE_BYTES: usize = 1 << 20;
-
 /// Most characters of a word in messages.
 pub(super) const MAX_SHOWN_CHARS: usize = 40;

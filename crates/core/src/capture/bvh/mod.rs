@@ -32,7 +32,7 @@ pub use error::BvhError;
 pub use file::Bvh;
 pub use hand_joints::{HandJoints, HandJointsError};
 pub use joint_names::{NamedJoint, joint_of};
-pub use limits::{MAX_CHANNELS, MAX_DEPTH, MAX_FRAMES, MAX_LINE_BYTES, MAX_NODES, MAX_TOKEN_BYTES};
+pub use limits::{MAX_CHANNELS, MAX_DEPTH, MAX_FRAMES, MAX_NODES, MAX_TOKEN_BYTES};
 pub use parser::{BvhParser, Motion};
 pub use skeleton::{Channel, Node, NodePose, PositionChannels, Skeleton};
 pub use writer::{BvhWriter, write_frame, write_header};

@@ -1,16 +1,17 @@
 //! Words of a text that arrives in pieces.
 
 use super::error::{BvhError, error};
-use super::limits::{MAX_LINE_BYTES, MAX_TOKEN_BYTES};
+use super::limits::MAX_TOKEN_BYTES;
 
 /// Splits a stream into words at blanks, tabs and line ends, and counts lines.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tokenizer {
     /// The start of a word that was cut by the end of a piece.
     partial: Vec<u8>,
-    /// Line ends so far.
+    /// Line ends so far: LF, CR LF or CR.
     line_ends: u64,
-    line_bytes: usize,
+    /// `true` if the last byte was a CR, so that a LF belongs to the same line end.
+    ends_in_cr: bool,
     /// Bytes so far.
     bytes: u64,
 }
@@ -29,23 +30,19 @@ impl Tokenizer {
     ) -> Result<(), BvhError> {
         let mut start = 0;
         for (index, &byte) in piece.iter().enumerate() {
+            let follows_cr = std::mem::replace(&mut self.ends_in_cr, byte == b'\r');
             if !byte.is_ascii_whitespace() {
                 continue;
             }
             self.end_token(&piece[start..index], index, &mut handle)?;
-            self.line_bytes += index + 1 - start;
             start = index + 1;
-            if byte == b'\n' {
-                (self.line_bytes, self.line_ends) = (0, self.line_ends + 1);
-            } else if self.line_bytes > MAX_LINE_BYTES {
-                let reason = format!("the line is longer than {MAX_LINE_BYTES} bytes");
-                return Err(error(self.line(), reason));
+            if byte == b'\r' || (byte == b'\n' && !follows_cr) {
+                self.line_ends += 1;
             }
         }
         let rest = &piece[start..];
         self.check_length(rest.len())?;
         self.partial.extend_from_slice(rest);
-        self.line_bytes += rest.len();
         self.bytes += piece.len() as u64;
         Ok(())
     }
