@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::error::shown;
-use super::joint_names::joint_of;
+use super::joint_names::{NamedJoint, joint_of};
 use super::skeleton::{Node, Skeleton};
 use crate::hand::{Finger, Joint, Side};
 
@@ -19,13 +19,14 @@ pub struct HandJoints {
 pub enum HandJointsError {
     /// No joint is the wrist.
     #[error(
-        "no joint is named as the wrist of the {side} hand; name it `{}Hand` or `{0}Wrist`, or use `hand={}`",
-        title(*side),
-        side.opposite()
+        "no joint is named as the wrist of the {side} hand; {}",
+        advice(*side, *has_other)
     )]
     NoWrist {
         /// The hand.
         side: Side,
+        /// `true` if a joint is named as the wrist of the other hand.
+        has_other: bool,
     },
     /// Two joints in different places have names of one joint, and neither is better.
     #[error(
@@ -41,6 +42,17 @@ pub enum HandJointsError {
         /// Both names in file order.
         names: [String; 2],
     },
+}
+
+/// Returns what to do if the wrist of a hand is missing in a file that may have the other hand.
+fn advice(side: Side, has_other: bool) -> String {
+    let start = title(side);
+    let name = format!("name it `{start}Hand` or `{start}Wrist`");
+    if has_other {
+        format!("use `hand={}`, or {name}", side.opposite())
+    } else {
+        name
+    }
 }
 
 /// Returns the side as the names of joints begin with it.
@@ -80,8 +92,14 @@ impl HandJoints {
                 }
             }
         }
-        let wrist = joints.node(Joint::Wrist);
-        let wrist = wrist.ok_or(HandJointsError::NoWrist { side })?;
+        let is_other =
+            |it: NamedJoint| it.joint == Joint::Wrist && it.side == Some(side.opposite());
+        let wrist = joints
+            .node(Joint::Wrist)
+            .ok_or_else(|| HandJointsError::NoWrist {
+                side,
+                has_other: nodes.iter().filter_map(named).any(is_other),
+            })?;
         for &finger in Finger::ALL {
             joints.add_tip(finger, nodes);
         }
@@ -217,6 +235,22 @@ mod tests {
         assert_eq!(
             found(&without, Side::Right),
             "shoulder=1 elbow=2 wrist=3 index-finger-tip=4"
+        );
+    }
+
+    #[test]
+    fn the_other_hand_is_recommended_only_if_the_file_has_it() {
+        let message = |name: &str| {
+            let found = HandJoints::find(&skeleton(&[(name, None)]), Side::Right);
+            found.unwrap_err().to_string()
+        };
+        assert_eq!(
+            message("LeftHand"),
+            "no joint is named as the wrist of the right hand; use `hand=left`, or name it `RightHand` or `RightWrist`"
+        );
+        assert_eq!(
+            message("Hips"),
+            "no joint is named as the wrist of the right hand; name it `RightHand` or `RightWrist`"
         );
     }
 
