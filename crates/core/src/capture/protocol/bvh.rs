@@ -161,11 +161,15 @@ impl BvhDecoder {
         self.stats.readings += readings;
         let reason = frame_error.or_else(|| result.err().map(|error| error.to_string()));
         if let Some(reason) = reason {
-            self.error = Some(reason);
-            self.has_failed = true;
-            self.stats.resyncs += 1;
-            self.skip_rest();
+            self.fail(reason);
         }
+    }
+
+    fn fail(&mut self, reason: String) {
+        self.error = Some(reason);
+        self.has_failed = true;
+        self.stats.resyncs += 1;
+        self.skip_rest();
     }
 
     /// Ends the text with a method of the parser.
@@ -174,6 +178,10 @@ impl BvhDecoder {
         let is_empty = self.stats.bytes == self.text_start && self.text_start > 0;
         if !self.has_failed && !is_empty {
             self.parse(emit, end);
+            // Such a text is valid, but its sender means to show a hand.
+            if !self.has_failed && self.frames.count == 0 {
+                self.fail("the text has no frame with values".to_owned());
+            }
         }
         self.skip_rest();
     }
@@ -365,6 +373,10 @@ mod tests {
             empty_reason.contains("the text ends here"),
             "{empty_reason}"
         );
+        let (header, _) = TEXT.split_once("Frames: 2").unwrap();
+        let no_frames = format!("{header}Frames: 0\nFrame Time: 0.02\n");
+        let (_, no_frames_reason) = error(&options(&[]), &no_frames);
+        assert_eq!(no_frames_reason, "the text has no frame with values");
     }
 
     #[test]
