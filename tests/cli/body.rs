@@ -96,7 +96,7 @@ fn a_pose_with_an_arm_of_no_length_is_left_out_and_counted() {
     let path = file(&folder, "poses.jsonl", format!("{pose}\n{whole}\n"));
     let ended = run(["body", "angles", path.as_str()]).done();
     assert_eq!(lines(&ended.out).len(), 1);
-    let expected = "1 of 2 poses have no angles and are left out";
+    let expected = "1 of 2 poses have no angles and are left out; the first one is ";
     assert!(ended.err.contains(expected), "{}", ended.err);
     // A fit gives such a bone no direction either.
     let fitted = run(["body", "angles", path.as_str(), "--fit"]).done();
@@ -124,8 +124,10 @@ fn a_hidden_point_costs_its_pose_alone_and_landmarks_may_have_names() {
         let angles = ["body", "angles", path.as_str()];
         let ended = run(angles.into_iter().chain(options.iter().copied())).done();
         assert_eq!(lines(&ended.out).len(), 2);
-        let expected = "2 of 4 poses have no angles and are left out; the first one: the pose lacks the position of `left-wrist`";
-        assert!(ended.err.contains(expected), "{}", ended.err);
+        let expected = format!(
+            "2 of 4 poses have no angles and are left out; the first one is {path}:2: the pose lacks the position of `left-wrist`"
+        );
+        assert!(ended.err.contains(&expected), "{}", ended.err);
     }
 
     let position = |row: u32| [f64::from(row) * 0.03, (f64::from(row) * 0.7).sin(), 0.1];
@@ -282,8 +284,10 @@ fn points_that_are_not_visible_have_no_position() {
     let poses = file(&folder, "arms.jsonl", line.to_string());
     let refused = run(["body", "angles", &poses]);
     assert_eq!(refused.code, Some(2));
-    let reason = "no pose has angles: the pose lacks the position of `left-knee`";
-    assert!(refused.err.contains(reason), "{}", refused.err);
+    let reason = format!(
+        "no pose has angles; the first one is {poses}:1: the pose lacks the position of `left-knee`"
+    );
+    assert!(refused.err.contains(&reason), "{}", refused.err);
 }
 
 #[test]

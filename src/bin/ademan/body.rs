@@ -105,7 +105,7 @@ fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
     let mut lines = Vec::new();
     let mut left_out = Vec::new();
     let lengths = args.fit.then(|| median_lengths(&args.files)).transpose()?;
-    for_each_line(&args.files, |text| {
+    for_each_line(&args.files, |place, text| {
         let (time_us, mut body) = parse_body(text)?;
         let mut line = AnglesLine::new(time_us, args.order, &body);
         if let (Some(lengths), Ok(_)) = (&lengths, &line) {
@@ -116,7 +116,7 @@ fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
             Ok(line) => line,
             // One hidden limb says nothing about the other poses.
             Err(reason) => {
-                left_out.push(reason);
+                left_out.push(format!("{place}: {reason}"));
                 return Ok(());
             }
         };
@@ -130,11 +130,11 @@ fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
     if let Some(reason) = left_out.first() {
         let (count, all) = (left_out.len(), left_out.len() + lines.len());
         if lines.is_empty() {
-            let message = format!("no pose has angles: {reason}");
+            let message = format!("no pose has angles; the first one is {reason}");
             return Err(Failure::wrong_use(message));
         }
         complain!(
-            "{count} of {all} poses have no angles and are left out; the first one: {reason}"
+            "{count} of {all} poses have no angles and are left out; the first one is {reason}"
         );
     }
     args.output.write(|out| {
@@ -163,7 +163,7 @@ fn median_lengths(files: &[PathBuf]) -> Result<[f64; BodyJoint::COUNT], Failure>
         return Err(Failure::wrong_use(message));
     }
     let mut seen: [Vec<f64>; BodyJoint::COUNT] = Default::default();
-    for_each_line(files, |text| {
+    for_each_line(files, |_, text| {
         let (_, body) = parse_body(text)?;
         if body.rotations().is_err() {
             return Ok(());
@@ -178,7 +178,7 @@ fn median_lengths(files: &[PathBuf]) -> Result<[f64; BodyJoint::COUNT], Failure>
 
 fn print_positions(args: &PositionsArgs) -> Result<(), Failure> {
     let mut lines = Vec::new();
-    for_each_line(&args.files, |text| {
+    for_each_line(&args.files, |_, text| {
         let line = parse_angles(text)?;
         let body = line.body()?;
         let points = BodyPoint::ALL.iter();
@@ -209,10 +209,10 @@ fn parse_angles(text: &str) -> Result<AnglesLine, String> {
     serde_json::from_value(line).map_err(|error| not_angles(&error.to_string()))
 }
 
-/// Calls a function with each line of the files. Its error is reported with the line.
+/// Calls a function with the place and the text of each line of the files. Its error is reported with the place.
 fn for_each_line(
     files: &[PathBuf],
-    mut read: impl FnMut(&str) -> Result<(), String>,
+    mut read: impl FnMut(&str, &str) -> Result<(), String>,
 ) -> Result<(), Failure> {
     for file in files {
         let lines = poses::lines(file)?;
@@ -221,7 +221,8 @@ fn for_each_line(
             return Err(Failure::wrong_use(message));
         }
         for (number, text) in lines {
-            read(&text).map_err(|reason| poses::at_line(file, number, &reason))?;
+            let place = format!("{}:{number}", poses::name(file));
+            read(&place, &text).map_err(|reason| poses::at_line(file, number, &reason))?;
         }
     }
     Ok(())
