@@ -69,29 +69,41 @@ impl Line<'_> {
         let markers = self.cameras.iter().flat_map(|camera| &camera.markers);
         markers.filter_map(|marker| marker.label.as_deref())
     }
+
+    /// Returns `true` if there are markers, and none of them has a position.
+    pub fn hides_all(&self) -> bool {
+        let mut markers = self.cameras.iter().flat_map(|camera| &camera.markers);
+        let is_hidden = |marker: &Marker| {
+            marker.point.is_none() && marker.direction.is_none() && marker.image.is_none()
+        };
+        self.cameras.iter().any(|camera| !camera.markers.is_empty()) && markers.all(is_hidden)
+    }
 }
 
 impl Camera<'_> {
-    /// Returns the rays to the markers; `None` if one of them is not determined.
+    /// Returns the rays to the markers that the camera sees; `None` if one of them is not determined.
     pub fn observations(&self) -> Option<Vec<Observation<'_>>> {
         let origin = DVec3::from_array(self.position);
-        let observe = |marker: &'_ Marker<'_>| {
+        let mut observations = Vec::with_capacity(self.markers.len());
+        for marker in &self.markers {
             let direction = match (marker.point, marker.direction, marker.image) {
                 (Some(point), None, None) => DVec3::from_array(point) - origin,
                 (None, Some(direction), None) => DVec3::from_array(direction),
                 (None, None, Some(image)) => self.direction(image)?,
+                (None, None, None) => DVec3::ZERO,
                 _ => return None,
             };
+            // One hidden marker says nothing about the others.
+            if direction == DVec3::ZERO {
+                continue;
+            }
             let ray = Ray { origin, direction };
-            ray.is_valid().then_some(ray)
-        };
-        let observations = self.markers.iter().map(|marker| {
-            Some(Observation {
+            observations.push(Observation {
                 label: marker.label.as_deref(),
-                ray: observe(marker)?,
-            })
-        });
-        observations.collect()
+                ray: ray.is_valid().then_some(ray)?,
+            });
+        }
+        Some(observations)
     }
 
     /// Returns the direction in space of an image position.

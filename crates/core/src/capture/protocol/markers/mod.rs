@@ -126,11 +126,11 @@ impl MarkerParser {
         }
     }
 
-    /// Follows the markers of all cameras. An error if one has no direction.
+    /// Follows the markers of all cameras. An error if the direction of one is not determined.
     fn follow(&mut self, line: &Line) -> Result<(), PacketError> {
         let cameras = line.cameras.iter().map(|camera| {
             camera.observations().ok_or_else(|| {
-                let text = "a marker has no direction, or `image` without `orientation`";
+                let text = "a marker has more than one position, or `image` without `orientation`";
                 PacketError::new(InvalidPacket::Unknown, text)
             })
         });
@@ -167,7 +167,9 @@ impl LineParser for MarkerParser {
         let seen = self.seen();
         let mut positions = self.markers.joints(&seen);
         if positions.is_empty() || seen.iter().all(|marker| marker.is_predicted) {
-            let text = if seen.is_empty() {
+            let text = if line.hides_all() {
+                "no marker has a `point`, `direction` or `image`".to_owned()
+            } else if seen.is_empty() {
                 hand_markers::why_no_marker(line.labels(), self.hand)
             } else {
                 NOT_SEEN_BY_TWO.to_owned()

@@ -116,6 +116,29 @@ fn a_wrong_label_in_one_of_three_images_is_left_out() {
 }
 
 #[test]
+fn a_marker_without_a_position_is_hidden_and_leaves_the_others() {
+    let elbow: &[(&str, DVec3)] = &[("elbow", ELBOW)];
+    let seen = line(&[(CAMERAS[0], elbow), (CAMERAS[1], elbow)]);
+    let with = |field: &str| {
+        let first = format!(r#""markers":[{{"label":"thumb-tip"{field}}},"#);
+        joints(&options(&[]), seen.replacen(r#""markers":["#, &first, 1))
+    };
+    for field in ["", r#","point":null"#, r#","direction":[0,0,0]"#] {
+        assert_eq!(with(field), "elbow 200 1000 0;", "{field}");
+    }
+    for field in [
+        r#","image":[1,2]"#,
+        r#","direction":[1,0,0],"point":[1,0,0]"#,
+    ] {
+        assert_eq!(with(field), "none", "{field}");
+    }
+    let misspelt = seen.replace("point", "pont");
+    let parsed = MarkerParser::new(&options(&[])).parse(misspelt.as_bytes(), &mut |_| {});
+    let message = parsed.unwrap_err().to_string();
+    assert!(message.contains("no marker has a `point`"), "{message}");
+}
+
+#[test]
 fn an_image_position_needs_the_orientation_of_the_camera() {
     // A camera at +Z that looks along −Z: its Y axis points down and its Z axis along the view.
     let camera = |orientation: &str| {
