@@ -184,7 +184,10 @@ impl ArmModel {
             }
         }
         for (joint, position) in estimate.measured.iter() {
-            let rotation = hand.get(joint).map_or(Quat::IDENTITY, |pose| pose.rotation);
+            // Models lack the bones of the palm, which turn with the wrist.
+            let wrist = hand.get(Joint::Wrist).filter(|_| joint > Joint::Wrist);
+            let turned = hand.get(joint).or(wrist);
+            let rotation = turned.map_or(Quat::IDENTITY, |pose| pose.rotation);
             hand.set(joint, Pose::from_parts(position, rotation));
         }
     }
@@ -244,5 +247,22 @@ mod tests {
         let measured_pose = rod().forward(&estimate);
         assert_eq!(measured_pose.position(Joint::Elbow), Some(Vec3::Y));
         assert_eq!(measured_pose.fingertip(Finger::Index), Some(Vec3::Z));
+    }
+
+    #[test]
+    fn a_measured_bone_of_the_palm_that_the_model_lacks_turns_with_the_wrist() {
+        let mut link = rod().links()[0].clone();
+        link.joint = Some(Joint::Wrist);
+        let model = ArmModel::new(Side::Right, vec![link], Pose::IDENTITY, 0.005).unwrap();
+        let mut angles = JointAngles::default();
+        angles.set(Dof::ElbowFlexion, 1.0);
+        let mut estimate = Estimate::new(Timestamp(0), angles);
+        estimate.measured.set(Joint::IndexMetacarpal, Vec3::X);
+        estimate.measured.set(Joint::Shoulder, Vec3::Y);
+        let pose = model.forward(&estimate);
+        let rotation = |joint: Joint| pose.get(joint).expect("it is known").rotation;
+        assert!(rotation(Joint::Wrist).angle_between(Quat::IDENTITY) > 0.9);
+        assert_eq!(rotation(Joint::IndexMetacarpal), rotation(Joint::Wrist));
+        assert_eq!(rotation(Joint::Shoulder), Quat::IDENTITY);
     }
 }
