@@ -3,6 +3,7 @@
 /// Costs of pairing each row with each column; `None` forbids a pair.
 #[derive(Clone, Debug, Default)]
 pub struct CostMatrix {
+    rows: usize,
     columns: usize,
     costs: Vec<Option<f64>>,
 }
@@ -16,13 +17,10 @@ impl CostMatrix {
     ) -> Self {
         let pairs = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
         Self {
+            rows,
             columns,
             costs: pairs.map(|(row, column)| cost(row, column)).collect(),
         }
-    }
-
-    fn rows(&self) -> usize {
-        self.costs.len().checked_div(self.columns).unwrap_or(0)
     }
 
     fn get(&self, row: usize, column: usize) -> Option<f64> {
@@ -30,9 +28,7 @@ impl CostMatrix {
     }
 
     fn transposed(&self) -> Self {
-        Self::new(self.columns, self.rows(), |row, column| {
-            self.get(column, row)
-        })
+        Self::new(self.columns, self.rows, |row, column| self.get(column, row))
     }
 }
 
@@ -41,7 +37,7 @@ impl CostMatrix {
 /// Rows and columns that no chain of allowed pairs connects do not compete: each connected group is solved by itself with the
 /// Hungarian method with potentials (Kuhn 1955, Munkres 1957), which takes rows² · columns steps.
 pub fn assign(costs: &CostMatrix) -> Vec<Option<usize>> {
-    let mut assigned = vec![None; costs.rows()];
+    let mut assigned = vec![None; costs.rows];
     let mut groups = Groups::new(costs);
     for (row, column) in lone_pairs(costs) {
         assigned[row] = Some(column);
@@ -63,7 +59,7 @@ pub fn assign(costs: &CostMatrix) -> Vec<Option<usize>> {
 /// found in one pass.
 fn lone_pairs(costs: &CostMatrix) -> impl Iterator<Item = (usize, usize)> {
     let mut pairs_of_column = vec![0_u32; costs.columns];
-    let mut only_columns = vec![None; costs.rows()];
+    let mut only_columns = vec![None; costs.rows];
     for (row, only_column) in only_columns.iter_mut().enumerate() {
         let mut pairs = 0;
         for (column, column_pairs) in pairs_of_column.iter_mut().enumerate() {
@@ -93,7 +89,7 @@ impl<'a> Groups<'a> {
     fn new(costs: &'a CostMatrix) -> Self {
         Self {
             costs,
-            is_row_seen: vec![false; costs.rows()],
+            is_row_seen: vec![false; costs.rows],
             is_column_seen: vec![false; costs.columns],
             next_row: 0,
         }
@@ -101,7 +97,7 @@ impl<'a> Groups<'a> {
 
     /// Returns the rows and columns of the next group that has a pair.
     fn next(&mut self) -> Option<(Vec<usize>, Vec<usize>)> {
-        while self.next_row < self.costs.rows() {
+        while self.next_row < self.costs.rows {
             let row = self.next_row;
             self.next_row += 1;
             if self.is_row_seen[row] {
@@ -131,7 +127,7 @@ impl<'a> Groups<'a> {
             } else {
                 let column = columns[searched_columns];
                 searched_columns += 1;
-                for candidate in 0..self.costs.rows() {
+                for candidate in 0..self.costs.rows {
                     if !self.is_row_seen[candidate] && self.costs.get(candidate, column).is_some() {
                         self.is_row_seen[candidate] = true;
                         rows.push(candidate);
@@ -145,7 +141,7 @@ impl<'a> Groups<'a> {
 
 /// Returns the column of each row of a group.
 fn assign_group(costs: &CostMatrix) -> Vec<Option<usize>> {
-    let rows = costs.rows();
+    let rows = costs.rows;
     if rows > costs.columns {
         let rows_of_columns = assign_group(&costs.transposed());
         let mut columns = vec![None; rows];
@@ -255,7 +251,7 @@ mod tests {
 
     /// The best number of pairs and their cost, by trying everything.
     fn best(costs: &CostMatrix, row: usize, used: u32) -> (usize, f64) {
-        if row == costs.rows() {
+        if row == costs.rows {
             return (0, 0.0);
         }
         let mut result = best(costs, row + 1, used);
@@ -284,7 +280,7 @@ mod tests {
                 (random.f64() < 0.6).then(|| random.f64() * 0.02)
             });
             let assigned = assign(&costs);
-            assert_eq!(assigned.len(), rows * usize::from(columns > 0));
+            assert_eq!(assigned.len(), rows);
             let mut used = 0_u32;
             let (mut pairs, mut total) = (0, 0.0);
             for (row, column) in assigned.iter().enumerate() {

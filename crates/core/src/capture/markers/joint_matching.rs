@@ -350,9 +350,7 @@ impl<'a> Matching<'a> {
         let costs = CostMatrix::new(rows.len(), columns.len(), |row, column| {
             self.added_cost(&rows[row], alone[row], columns[column])
         });
-        let mut assigned = assign(&costs);
-        assigned.resize(rows.len(), None);
-        for (mut group, column) in rows.into_iter().zip(assigned) {
+        for (mut group, column) in rows.into_iter().zip(assign(&costs)) {
             if let Some(column) = column {
                 group.seen.push(columns[column]);
                 let label = group.label.or(self.observation(columns[column]).label);
