@@ -58,6 +58,29 @@ fn more_scatter_makes_more_errors() {
     assert!(cer(Tier::Toff) > rates[1], "{rates:?}");
 }
 
+#[test]
+fn scatter_is_stretched_along_the_movement_on_a_turned_board_too() {
+    let run = Run {
+        corpus: Corpus::from_text("two keys of a row", &"dj".repeat(80)).expect("a phrase"),
+        ..Run::new("qwerty-flat")
+    };
+    let person = Participant {
+        scatter: [4.0; 2],
+        elongation: 0.5,
+        ..steady(&["index"])
+    };
+    let score = run.of(&[person], SourceKind::Ideal).remove(0);
+    let mut squares = [0.0; 2];
+    for key in &score.keys {
+        assert!(key.places > 250, "{key:?}");
+        squares[0] += key.spread_mm[0].powi(2);
+        squares[1] += key.spread_mm[1].powi(2);
+    }
+    // Half more variance along the row, and a third less across it.
+    let ratio = (squares[0] / squares[1]).sqrt();
+    assert!((1.3..1.7).contains(&ratio), "{ratio}");
+}
+
 /// Returns an angle of a reading of joint angles.
 fn angle(reading: &Reading, dof: Dof) -> f64 {
     let Sample::Angles { angles } = &reading.sample else {

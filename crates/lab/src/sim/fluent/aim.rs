@@ -1,6 +1,6 @@
 //! The way from a target to a posture, as a person learns it by looking at the hand that the pipeline shows.
 
-use parry3d::math::{Pose, Vec3};
+use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::hand::FluentHand;
 use crate::capture::Reading;
@@ -17,6 +17,8 @@ const LOOKS: usize = 8;
 const CLEARANCE: f32 = 0.015;
 /// The distance from the centers of all keys at which another finger is beside the board, in metres.
 const BESIDE: f32 = 0.03;
+/// Steps of the coordinates of an axis within a length of 1.
+const AXIS_STEPS: f32 = 1e5;
 
 /// Experience of a person with a target and a finger.
 #[derive(Clone, Debug)]
@@ -63,13 +65,36 @@ fn is_clear(
     })
 }
 
-/// Returns where the fingertip is in the world when its pad is at a point of a target (target frame, metres).
-pub(super) fn goal_of(scene: &Scene, target: TargetId, aim: &Aim, point: Vec3) -> Option<Vec3> {
+/// Returns the pose of a target in the world, for the anchor as the person has learned it.
+fn world_from_target(scene: &Scene, target: TargetId, aim: &Aim) -> Option<Pose> {
     let (surface, found) = scene.target(target)?;
     // The board may have moved since.
-    let world_from_target =
-        aim.world_from_anchor * surface.anchor_from_surface() * found.surface_from_target;
-    Some(world_from_target * (point + Vec3::Z * aim.tip_radius) + aim.correction)
+    Some(aim.world_from_anchor * surface.anchor_from_surface() * found.surface_from_target)
+}
+
+/// Returns where the fingertip is in the world when its pad is at a point of a target (target frame, metres).
+pub(super) fn goal_of(scene: &Scene, target: TargetId, aim: &Aim, point: Vec3) -> Option<Vec3> {
+    let pose = world_from_target(scene, target, aim)?;
+    Some(pose * (point + Vec3::Z * aim.tip_radius) + aim.correction)
+}
+
+/// Returns the part of a movement (world) that lies in the plane of a target, along its X and Y.
+pub(super) fn within_plane(
+    scene: &Scene,
+    target: TargetId,
+    aim: &Aim,
+    moved: Vec3,
+) -> Option<Vec2> {
+    Some(along_axes(&world_from_target(scene, target, aim)?, moved))
+}
+
+fn along_axes(world_from_target: &Pose, moved: Vec3) -> Vec2 {
+    // Rounded, so that the axes of a flat board that is not turned are exactly axes of the world.
+    let [right, away] = [Vec3::X, Vec3::Y].map(|axis| {
+        let in_world = world_from_target.rotation * axis;
+        (in_world * AXIS_STEPS).round() / AXIS_STEPS
+    });
+    Vec2::new(moved.dot(right), moved.dot(away))
 }
 
 impl FluentHand {
@@ -142,5 +167,38 @@ impl FluentHand {
         let mut pose = self.assumed.forward(estimate);
         pose.start = self.start;
         Some(pose)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::FRAC_PI_2;
+
+    use parry3d::math::Rot3;
+
+    use super::*;
+
+    #[test]
+    fn a_movement_has_the_axes_of_a_turned_board_and_on_a_flat_one_exactly_those_of_the_world() {
+        let flat = Rot3::from_rotation_x(-FRAC_PI_2);
+        let moved = Vec3::new(0.031, 0.007, -0.0173);
+        let on = |rotation: Rot3, movement: Vec3| {
+            along_axes(
+                &Pose::from_parts(Vec3::new(0.1, 0.2, 0.3), rotation),
+                movement,
+            )
+        };
+        assert_eq!(on(flat, moved), Vec2::new(moved.x, -moved.z));
+        for (bearing, tilt) in [(35.0_f32, 0.0_f32), (-35.0, 20.0), (170.0, 90.0)] {
+            let tilted = Rot3::from_rotation_x(tilt.to_radians());
+            let turned = Rot3::from_rotation_y(-bearing.to_radians()) * tilted * flat;
+            // The movement along the normal of the board does not count.
+            let way = turned * Vec3::new(0.02, -0.03, 0.05);
+            let found = on(turned, way);
+            assert!(
+                found.distance(Vec2::new(0.02, -0.03)) < 1e-5,
+                "{bearing} {tilt}: {found}"
+            );
+        }
     }
 }

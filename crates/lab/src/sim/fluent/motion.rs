@@ -2,7 +2,7 @@
 
 use parry3d::math::{Vec2, Vec3};
 
-use super::aim::goal_of;
+use super::aim::{goal_of, within_plane};
 use super::hand::{FluentHand, STRAIGHT, StrokePlan};
 use super::timeline::{Bump, Timeline};
 use crate::capture::Sample;
@@ -82,7 +82,8 @@ impl FluentHand {
         let place = goal - self.reach_of(tap.finger);
         let moved = self.last_place.map_or(Vec3::ZERO, |last| place - last);
         let distance = f64::from(moved.length());
-        let error = self.error(tap.finger, size, moved);
+        let along = within_plane(scene, tap.target, &aim, moved)?;
+        let error = self.error(tap.finger, size, along);
         let point = tap.shift + if tap.is_exact { Vec2::ZERO } else { error };
         let depth = self.depth(found.travel, tap.is_shallow);
         let (above, reached) = self.posture_at(scene, tap.target, &aim, point.extend(HOVER))?;
@@ -305,16 +306,15 @@ impl FluentHand {
         tips.map_or(Vec3::ZERO, |(own, index)| own - index)
     }
 
-    /// Returns the error of the place of a tap, in metres: scatter that is stretched along the movement, the offset of the finger,
-    /// and the drift of the hand.
-    fn error(&mut self, finger: Finger, size: Vec2, moved: Vec3) -> Vec2 {
+    /// Returns the error of the place of a tap along the X and Y of the target, in metres: scatter that is stretched along the movement
+    /// within the plane of the target, the offset of the finger, and the drift of the hand.
+    fn error(&mut self, finger: Finger, size: Vec2, moved: Vec2) -> Vec2 {
         let step = (self.person.drift * 1e-3) as f32;
         let walk = Vec2::new(self.draw.normal() as f32, self.draw.normal() as f32) * step;
         self.drift = self.drift * self.person.drift_kept as f32 + walk;
         let deviation = self.person.deviation_at(size);
         let scatter = Vec2::new(self.draw.normal() as f32, self.draw.normal() as f32) * deviation;
-        // Boards face up: the movement in their plane is that along the X and Z of the world.
-        let along = Vec2::new(moved.x, -moved.z).normalize_or_zero();
+        let along = moved.normalize_or_zero();
         let stretch = (1.0 + self.person.elongation).sqrt() as f32;
         let part = scatter.dot(along);
         let stretched = if along == Vec2::ZERO {
