@@ -257,7 +257,7 @@ fn rings_and_values_are_measured_where_a_layout_does_not_type() {
     assert!(out.contains("effective throughput, bit/s"), "{out}");
     assert!(out.contains("error of a value"), "{out}");
     let column = |name: &str| rows[0].iter().position(|it| it == name).expect(name);
-    assert_eq!(rows[1][column("targets")], "9");
+    assert_eq!(rows[1][column("targets")], "13");
     let values: Vec<_> = rows
         .iter()
         .filter(|row| row[column("kind")] == "value")

@@ -169,7 +169,7 @@ fn a_pointing_lesson_is_measured_and_kept_with_its_figures() {
     assert_eq!(result["is_complete"], true);
     assert_eq!(
         (figure("targets"), figure("misses")),
-        (9.0, 0.0),
+        (13.0, 0.0),
         "{result}"
     );
     // The hand moves for 0.6 s and pushes for 0.15 s, with rests between.
@@ -180,7 +180,7 @@ fn a_pointing_lesson_is_measured_and_kept_with_its_figures() {
     let kept = lines(&path);
     assert_eq!(kept.len(), 1);
     assert!(
-        kept[0].contains("\"pointing\":{\"targets\":9,"),
+        kept[0].contains("\"pointing\":{\"targets\":13,"),
         "{}",
         kept[0]
     );
@@ -212,7 +212,7 @@ fn a_pointing_lesson_is_measured_and_kept_with_its_figures() {
             .ends_with(",targets,misses,movement_s,path_efficiency,throughput_bits_per_s,chords"),
         "{csv}"
     );
-    assert!(rows[1].contains(",,,,,,9,0,"), "{csv}");
+    assert!(rows[1].contains(",,,,,,13,0,"), "{csv}");
     let table = run(state.path(), &["--history"]).done().out;
     assert!(
         table.contains(" bit/s ") && table.contains(" words/min "),
@@ -429,7 +429,7 @@ mod on_a_terminal {
         println!("{text}");
         // A slow machine may not draw each of them.
         let clicked = screen.wait_until("clicked targets", |shown| {
-            let has = |count| shown.contains(&format!("{count} of 9 targets · 0 missed"));
+            let has = |count| shown.contains(&format!("{count} of 13 targets · 0 missed"));
             (2..=4).any(has) && shown.contains('+') && shown.contains("bit/s")
         });
         println!("{clicked}");

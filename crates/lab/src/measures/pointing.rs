@@ -157,21 +157,21 @@ mod tests {
     #[test]
     fn each_movement_crosses_the_ring_and_every_target_is_met() {
         let ring = Ring {
-            targets: 9,
+            targets: 13,
             center: [0.0; 2],
             diameter: 100.0,
             width: 10.0,
         };
-        let mut met: Vec<[i64; 2]> = (0..9)
+        let mut met: Vec<[i64; 2]> = (0..13)
             .map(|click| ring.target(click).map(|it| (it * 1e6) as i64))
             .collect();
-        for click in 0..9 {
+        for click in 0..13 {
             let way = distance(ring.target(click), ring.target(click + 1));
             assert!(way > 98.0, "{way}");
         }
         met.sort();
         met.dedup();
-        assert_eq!(met.len(), 9);
+        assert_eq!(met.len(), 13);
     }
 
     #[test]

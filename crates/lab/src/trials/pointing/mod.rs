@@ -18,8 +18,8 @@ use self::person::Pointing;
 use super::station::Station;
 use crate::measures::{Movement, PointingResult, Ring, distance};
 
-/// Number of targets in a ring. It is odd, so that each movement crosses the ring.
-const TARGETS: usize = 9;
+/// Number of targets in a ring, 13 to 25 in studies. It is odd, so that each movement crosses the ring.
+const TARGETS: usize = 13;
 /// The diameter of a ring, as a fraction of the height of the screen.
 const DIAMETER: f64 = 0.7;
 /// The widths of the targets, as fractions of the height of the screen: 96, 48 and 24 px of 800.

@@ -9,8 +9,8 @@ use crate::practice::PracticeTask;
 /// Size of the screen of the lesson, in pixels: the screen of a small laptop. No program tells how large the real one is.
 pub const SCREEN: [f64; 2] = [1280.0, 800.0];
 
-/// Targets of the ring: an odd number, so that each movement crosses it.
-pub const TARGETS: usize = 9;
+/// Targets of the ring, 13 to 25 in studies: an odd number, so that each movement crosses it.
+pub const TARGETS: usize = 13;
 
 /// The ring.
 const RING: Ring = Ring {
