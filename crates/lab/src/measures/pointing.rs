@@ -41,6 +41,13 @@ pub struct PointingResult {
     pub movement_s: f64,
     /// Straight distance from one click to the next by the length of the way, 0..=1: the mean.
     pub path_efficiency: f64,
+    /// Distance of the way from the task axis, the line through the centers of both targets, in pixels: the mean over the length of a
+    /// way, and the mean of the ways (movement error of MacKenzie, Kauppinen & Silfverberg 2001, Accuracy measures for evaluating
+    /// computer pointing devices, doi 10.1145/365024.365028, who take the mean over equal times).
+    pub axis_deviation_px: f64,
+    /// Entries of a target after the first one and before the click, by movements (target re-entry of the same authors). A position of
+    /// the pointer counts, and not the line between two of them.
+    pub reentries: f64,
     /// Effective throughput in bits per second.
     pub throughput: f64,
 }
@@ -56,6 +63,10 @@ pub struct Movement {
     pub clicks: [[f64; 2]; 2],
     /// Length of the way of the pointer.
     pub way: f64,
+    /// Mean distance of the way from the line through the centers of both targets.
+    pub axis_deviation: f64,
+    /// Entries of the target after the first one.
+    pub reentries: usize,
     /// Time from one click to the next, in seconds.
     pub seconds: f64,
     /// `true` if the click is within the target.
@@ -107,6 +118,8 @@ impl PointingResult {
             misses: movements.iter().filter(|movement| !movement.is_hit).count(),
             movement_s,
             path_efficiency: mean(&efficiency),
+            axis_deviation_px: mean(&|movement| movement.axis_deviation),
+            reentries: mean(&|movement| movement.reentries as f64),
             // The smallest deviation would make one click the best of all.
             throughput: if movements.len() > 1 && movement_s > 0.0 {
                 difficulty / movement_s
@@ -148,6 +161,8 @@ mod tests {
             to: [300.0, 0.0],
             clicks: [[0.0, 0.0], [300.0 + along, *across]],
             way: 600.0,
+            axis_deviation: 0.0,
+            reentries: 0,
             seconds,
             is_hit: along.hypot(*across) <= 20.0,
         };
@@ -203,6 +218,8 @@ mod tests {
             to: [0.0; 2],
             clicks: [[0.0; 2]; 2],
             way: 0.0,
+            axis_deviation: 0.0,
+            reentries: 0,
             seconds: 0.0,
             is_hit: false,
         };

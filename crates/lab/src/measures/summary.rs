@@ -91,6 +91,12 @@ pub struct PointingSummary {
     pub slips: Interval,
     /// The part of the way of the cursor that was straight.
     pub path_efficiency: Interval,
+    /// The mean distance of the way of the cursor from the line through the centers of both targets, in pixels.
+    #[serde(default)]
+    pub axis_deviation_px: Interval,
+    /// Entries of a target after the first one and before the click, by clicks.
+    #[serde(default)]
+    pub reentries: Interval,
     /// Targets that were given up, by targets.
     pub given_up: Interval,
     /// The width in pixels, the throughput, and the part of the clicks that slipped, for each width of targets, the widest first.
@@ -277,6 +283,8 @@ fn summarize_pointing(people: &[PersonScore]) -> Option<PointingSummary> {
         misses: series(PointingResult::miss_rate),
         slips: rate(None, &|it| it.slips as f64, &|it| it.clicks as f64),
         path_efficiency: series(|it| it.path_efficiency),
+        axis_deviation_px: series(|it| it.axis_deviation_px),
+        reentries: series(|it| it.reentries),
         given_up: rate(None, &|it| it.given_up as f64, &|it| {
             (it.clicks + it.given_up) as f64
         }),

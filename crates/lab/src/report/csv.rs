@@ -6,7 +6,7 @@ use crate::measures::LabResult;
 use crate::message::quote_csv;
 
 /// The columns.
-const COLUMNS: &str = "layout,person,hand_mm,fingers,pace_wpm,characters,correct,substitutions,insertions,deletions,cer,keystrokes,wpm,fitts_wpm,strokes,hits,neighbor_slips,joint_travel_deg,uncomfortable,tasks,tasks_done,simulated_seconds,throughput_bits_per_s,misses,clicks";
+const COLUMNS: &str = "layout,person,hand_mm,fingers,pace_wpm,characters,correct,substitutions,insertions,deletions,cer,keystrokes,wpm,fitts_wpm,strokes,hits,neighbor_slips,joint_travel_deg,uncomfortable,tasks,tasks_done,simulated_seconds,throughput_bits_per_s,misses,clicks,axis_deviation_px,target_reentries";
 
 /// Returns the people of results as CSV, the columns first.
 pub fn to_csv(results: &[LabResult]) -> String {
@@ -19,9 +19,15 @@ pub fn to_csv(results: &[LabResult]) -> String {
             let pointing = match &person.pointing {
                 Some(pointing) => {
                     let misses: usize = pointing.series.iter().map(|it| it.result.misses).sum();
-                    format!("{},{misses},{}", pointing.throughput(), pointing.clicks())
+                    format!(
+                        "{},{misses},{},{},{}",
+                        pointing.throughput(),
+                        pointing.clicks(),
+                        pointing.mean(|it| it.axis_deviation_px),
+                        pointing.mean(|it| it.reentries)
+                    )
                 }
-                None => ",,".to_owned(),
+                None => ",,,,".to_owned(),
             };
             _ = writeln!(
                 text,

@@ -84,6 +84,18 @@ fn add_pointing(pointing: &PointingSummary, rows: &mut Vec<Row>) {
             100.0,
             0,
         ),
+        (
+            "distance from the task axis, px".into(),
+            pointing.axis_deviation_px,
+            1.0,
+            1,
+        ),
+        (
+            "target re-entries by click".into(),
+            pointing.reentries,
+            1.0,
+            2,
+        ),
         ("targets given up, %".into(), pointing.given_up, 100.0, 1),
     ]);
 }

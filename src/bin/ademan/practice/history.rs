@@ -462,6 +462,7 @@ mod tests {
                 movement_s: 0.75,
                 path_efficiency: 0.9,
                 throughput: 4.25,
+                ..PointingResult::default()
             }),
             ..session(0.0)
         };

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use self::cursor::{Cursor, IdealCursor, ScreenCursor};
 use self::person::Pointing;
 use super::station::Station;
-use crate::measures::{Movement, PointingResult, Ring, distance};
+use crate::measures::{PointerPath, PointingResult, Ring, distance};
 
 /// Number of targets in a ring, 13 to 25 in studies. It is odd, so that each movement crosses the ring.
 const TARGETS: usize = 13;
@@ -59,6 +59,13 @@ impl PointingScore {
     pub fn throughput(&self) -> f64 {
         let sum: f64 = self.series.iter().map(|it| it.result.throughput).sum();
         sum / self.series.len().max(1) as f64
+    }
+
+    /// Returns the mean of a figure over the clicks of all series; 0 without a click.
+    pub fn mean(&self, figure: impl Fn(&PointingResult) -> f64) -> f64 {
+        let results = self.series.iter().map(|it| &it.result);
+        let sum: f64 = results.map(|it| figure(it) * it.targets as f64).sum();
+        sum / self.clicks().max(1) as f64
     }
 
     /// Returns the number of clicks in all series.
@@ -132,14 +139,11 @@ impl Station {
             series.slips += usize::from(was_on && !is_hit);
             slip += distance(clicked.meant, clicked.place);
             if let Some((place, seconds)) = last.replace((clicked.place, clicked.seconds)) {
-                movements.push(Movement {
-                    from: ring.target(click - 1),
-                    to,
-                    clicks: [place, clicked.place],
-                    way: clicked.way,
-                    seconds: clicked.seconds - seconds,
-                    is_hit,
-                });
+                let mut path = PointerPath::new(&ring, click, place);
+                for position in &clicked.path {
+                    path.go_to(*position);
+                }
+                movements.push(path.click(clicked.seconds - seconds));
             }
         }
         series.clicks = ring.targets + 1 - series.given_up;

@@ -47,7 +47,7 @@ const FASTEST: f64 = 0.9;
 const ERROR_TIME: f64 = 0.25;
 
 /// A click.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Clicked {
     /// The position of the cursor at the beginning of the click.
     pub(super) meant: [f64; 2],
@@ -55,8 +55,8 @@ pub(super) struct Clicked {
     pub(super) place: [f64; 2],
     /// The time then, in seconds.
     pub(super) seconds: f64,
-    /// The way of the cursor since the last click, in pixels.
-    pub(super) way: f64,
+    /// The positions of the cursor since the last click: that of this click is the last one.
+    pub(super) path: Vec<[f64; 2]>,
 }
 
 /// The motion of the cursor, in pixels to the right and down, for displacements of the hand to the right and up.
@@ -116,8 +116,8 @@ pub(super) struct Pointing<'a, C> {
     down: [f64; 2],
     /// The positions of the cursor in the last moments, the latest one last.
     seen: VecDeque<[f64; 2]>,
-    /// The way of the cursor since the last click.
-    length: f64,
+    /// The positions of the cursor since the last click.
+    path: Vec<[f64; 2]>,
     /// The person's knowledge of the cursor, for short, middle and long movements: many pointers are faster in a fast movement.
     /// `None` for a cursor whose velocity follows the hand.
     known: Option<[Jacobian; LENGTHS.len() + 1]>,
@@ -153,7 +153,7 @@ impl<'a, C: Cursor> Pointing<'a, C> {
             number: 0,
             way: rest,
             down: [f64::INFINITY; 2],
-            length: 0.0,
+            path: Vec::new(),
             known: None,
         };
         pointing.run(if waits { PLACED } else { CLEAR });
@@ -227,12 +227,11 @@ impl<'a, C: Cursor> Pointing<'a, C> {
     fn step(&mut self) -> bool {
         self.number += 1;
         let now = self.now();
-        let before = self.cursor.place();
         let is_down = (self.down[0]..self.down[1]).contains(&now);
         let by = self.displacement();
         let seconds = [now, self.period];
         let has_clicked = self.cursor.step(self.hand, seconds, by, is_down);
-        self.length += distance(before, self.cursor.place());
+        self.path.push(self.cursor.place());
         self.seen.push_back(self.cursor.place());
         let kept = 1 + (DELAY / self.period).round() as usize;
         while self.seen.len() > kept {
@@ -260,7 +259,7 @@ impl<'a, C: Cursor> Pointing<'a, C> {
             meant,
             place: self.cursor.place(),
             seconds: self.now(),
-            way: std::mem::take(&mut self.length),
+            path: std::mem::take(&mut self.path),
         }
     }
 
@@ -471,7 +470,11 @@ mod tests {
         let (first, second) = (click(), click());
         let readings = ((second.seconds - first.seconds) / period).round();
         assert!(readings > 20.0, "{readings}");
-        let each = second.way / readings;
+        let start = [first.place].into_iter();
+        let positions: Vec<[f64; 2]> = start.chain(second.path).collect();
+        let steps = positions.windows(2);
+        let way: f64 = steps.map(|step| distance(step[0], step[1])).sum();
+        let each = way / readings;
         assert!((1.95..2.3).contains(&each), "{each} px a reading");
     }
 

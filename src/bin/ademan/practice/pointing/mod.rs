@@ -79,6 +79,8 @@ fn session(layout: &Layout, is_simulated: bool, task: &PointingTask) -> SessionR
         pointing: Some(PointingResult {
             movement_s: rounded(result.movement_s, 1e3),
             path_efficiency: rounded(result.path_efficiency, 1e3),
+            axis_deviation_px: rounded(result.axis_deviation_px, 10.0),
+            reentries: rounded(result.reentries, 1e3),
             throughput: rounded(result.throughput, 1e2),
             ..result
         }),

@@ -1,7 +1,7 @@
 //! The targets of a pointing lesson: a ring, as in the multi-directional tapping test of ISO/TS 9241-411:2012, annex B.
 
 use ademan::device::{EventKind, KeyCode, OutputEvent};
-use ademan::measures::{Movement, PointingResult, Ring, distance};
+use ademan::measures::{Movement, PointerPath, PointingResult, Ring};
 use ademan::time::Timestamp;
 
 use crate::practice::PracticeTask;
@@ -29,10 +29,8 @@ pub struct PointingTask {
     cursor: [f64; 2],
     /// Number of clicks so far. The first one, on the first target, starts the clock.
     clicks: usize,
-    /// Position and time of the last click.
-    last: Option<([f64; 2], Timestamp)>,
-    /// Length of the way since the last click.
-    way: f64,
+    /// The way since the last click, and the time of that click.
+    last: Option<(PointerPath, Timestamp)>,
     movements: Vec<Movement>,
 }
 
@@ -47,7 +45,6 @@ impl PointingTask {
             cursor: [SCREEN[0] / 2.0, SCREEN[1] / 2.0],
             clicks: 0,
             last: None,
-            way: 0.0,
             movements: Vec::new(),
         }
     }
@@ -57,25 +54,19 @@ impl PointingTask {
             position[0].clamp(0.0, SCREEN[0]),
             position[1].clamp(0.0, SCREEN[1]),
         ];
-        self.way += distance(self.cursor, position);
+        if let Some((path, _)) = &mut self.last {
+            path.go_to(position);
+        }
         self.cursor = position;
     }
 
     fn click(&mut self, time: Timestamp) {
-        let to = target(self.clicks);
-        if let Some((click, earlier)) = self.last {
-            self.movements.push(Movement {
-                from: target(self.clicks - 1),
-                to,
-                clicks: [click, self.cursor],
-                way: self.way,
-                seconds: time.since(earlier).as_secs_f64(),
-                is_hit: distance(self.cursor, to) <= RING.width / 2.0,
-            });
+        if let Some((path, earlier)) = &self.last {
+            let seconds = time.since(*earlier).as_secs_f64();
+            self.movements.push(path.click(seconds));
         }
-        self.last = Some((self.cursor, time));
-        self.way = 0.0;
         self.clicks += 1;
+        self.last = Some((PointerPath::new(&RING, self.clicks, self.cursor), time));
     }
 
     /// Returns the figures of the movements so far.
@@ -149,6 +140,8 @@ impl PracticeTask for PointingTask {
 
 #[cfg(test)]
 mod tests {
+    use ademan::measures::distance;
+
     use super::*;
 
     fn event(milliseconds: u64, kind: EventKind) -> OutputEvent {
