@@ -117,7 +117,7 @@ fn write_conditions(result: &LabResult, page: &mut String) -> fmt::Result {
     writeln!(
         page,
         "<p class=\"note\">{} simulated people, {} phrases each of {} (hash {}); tier: {}; source: {}; {corrections}{decoder}seed {}; \
-         program {}. Every figure is simulated; ranges hold 95 % of resampled populations.</p>",
+         program {}. Every figure is simulated; ranges are intervals of 95 % from resampled populations.</p>",
         result.scores.len(),
         result.phrases,
         escape_markup(&result.corpus),
@@ -215,7 +215,7 @@ fn write_curves(result: &LabResult, page: &mut String) -> fmt::Result {
     };
     writeln!(
         page,
-        "<h2>From phrase to phrase</h2>\n<p class=\"note\">{learns} The bands hold 95 % of resampled populations.</p>\n<div class=\"columns\">"
+        "<h2>From phrase to phrase</h2>\n<p class=\"note\">{learns} The bands are intervals of 95 % from resampled populations.</p>\n<div class=\"columns\">"
     )?;
     for curve in &curves {
         writeln!(

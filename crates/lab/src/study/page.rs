@@ -24,7 +24,7 @@ fn write_page(trials: &[Trial], with_practice: bool, page: &mut String) -> fmt::
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width\"/>\n<title>Study</title>\n\
          <style>\n{}</style>\n</head>\n<body>\n<h1>Study</h1>\n\
-         <p class=\"note\">Ranges hold 95 % of resampled groups of the participants.</p>",
+         <p class=\"note\">Ranges are intervals of 95 % from resampled groups of the participants.</p>",
         heat_style(STYLE)
     )?;
     for layout in figures(trials, with_practice) {
