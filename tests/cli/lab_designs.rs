@@ -269,6 +269,10 @@ fn the_decoder_is_better_than_other_readings_of_the_same_taps() {
         let [taps, ..] = row(out, "nearest keys of the taps, %");
         let [strokes, ..] = row(out, "nearest key of the strokes");
         assert!((taps - strokes).abs() <= 0.06, "one figure twice: {out}");
+        let [unknown, ..] = row(out, "words not in the lexicon (OOV), %");
+        assert!(unknown < 5.0, "{out}");
+        let [words, ..] = row(out, "wrong words (WER), %");
+        assert!(words < 50.0, "{out}");
     }
     let chords = "lab score chords-bend --people 1 --decoder auto";
     let ended = run(chords.split(' '));
@@ -311,6 +315,10 @@ fn people_who_correct_leave_fewer_errors_and_press_more_keys() {
             .out
             .contains(&format!(", corrections {corrections}, "));
         assert_eq!(states_it, corrections != "0", "{}", ended.out);
+        for words in ["  uncorrected errors, %", "  corrected errors, %"] {
+            let has_rate = ended.out.contains(words);
+            assert_eq!(has_rate, corrections != "0", "{words}: {}", ended.out);
+        }
         let [errors, ..] = row(&ended.out, "wrong characters (CER), %");
         let [keys, ..] = row(&ended.out, "keystrokes per character");
         (errors, keys)

@@ -201,6 +201,14 @@ fn a_person_corrects_with_the_backspace_of_a_layout_be_it_a_key_or_a_chord() {
         println!("{layout}: {} {}", careless.cer(), careful.cer());
         assert!(careful.cer() < 0.5 * careless.cer(), "{layout}");
         assert!(careful.keystrokes > careless.keystrokes, "{layout}");
+        assert_eq!(careless.keystrokes_by_class, None);
+        let classes = careful.keystrokes_by_class.expect("the person corrects");
+        assert!(classes.fixes > 0 && classes.fixed > 0, "{classes:?}");
+        if layout == "qwerty-flat" {
+            // Each key types a character that stays or is deleted, or is a Backspace: the phrases need no Shift.
+            let counted = careful.transcribed() + classes.fixed + classes.fixes;
+            assert_eq!(careful.keystrokes, counted, "{classes:?}");
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod bootstrap;
 mod compare;
+mod keystrokes;
 mod pointer_path;
 mod pointing;
 mod result_file;
@@ -11,6 +12,7 @@ mod watch;
 
 pub use bootstrap::{FEWEST_PEOPLE, Interval, bootstrap};
 pub use compare::{Comparison, Difference, HandGroup, Measure, NotComparable, compare};
+pub use keystrokes::KeystrokeClasses;
 pub use pointer_path::PointerPath;
 pub use pointing::{Movement, PointingResult, Ring, distance};
 pub(crate) use result_file::Header;

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
+use super::keystrokes::KeystrokeClasses;
 use crate::contact::TargetId;
 use crate::document::Document;
 use crate::layout::Layout;
@@ -78,8 +79,20 @@ pub struct PersonScore {
     /// the sensors and of the assumed hand.
     #[serde(default)]
     pub shown_errors: Option<u64>,
+    /// Words to be typed.
+    #[serde(default)]
+    pub words: u64,
+    /// The edit distance of the words.
+    #[serde(default)]
+    pub word_errors: u64,
+    /// Words to be typed that the lexicon of the decoder lacks; `None` without a decoder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unknown_words: Option<u64>,
     /// Keys that went down.
     pub keystrokes: u64,
+    /// The keystrokes by class; `None` for a person who does not correct.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keystrokes_by_class: Option<KeystrokeClasses>,
     /// Words of correct text per minute.
     pub wpm: f64,
     /// The phrases, in the order in which they were typed.
@@ -252,6 +265,11 @@ fn one(
         let keys = KeyPlaces::new(station.layout(), station.finds_letters());
         readings::scores(&observed.taps, &keys, decoding.lexicon)
     });
+    score.unknown_words = decoding.map(|decoding| {
+        let presented = observed.taps.iter().map(|it| it.presented.as_str());
+        let unknown = |it| decoding.lexicon.unknown_words(&readings::plain(it));
+        presented.map(unknown).sum()
+    });
     score.unreached = unreached.collect();
     score.untypable = untypable;
     Ok(score)
@@ -322,7 +340,11 @@ fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> 
         deletions: observed.edits.deletions as u64,
         nearest_errors: nearest.then_some(observed.nearest_errors as u64),
         shown_errors: nearest.then_some(observed.shown_errors as u64),
+        words: observed.words[0] as u64,
+        word_errors: observed.words[1] as u64,
+        unknown_words: None,
         keystrokes: observed.keystrokes as u64,
+        keystrokes_by_class: (person.corrects > 0.0).then_some(observed.keystrokes_by_class),
         wpm: speed(observed.edits.correct, observed.phrases, observed.seconds),
         by_phrase: observed.by_phrase.iter().map(phrase_score).collect(),
         fitts_wpm: speed(

@@ -25,6 +25,12 @@ pub struct Summary {
     pub deletions: Interval,
     /// Substitutions by presented characters.
     pub substitutions: Interval,
+    /// Word error rate: insertions, deletions and substitutions of words, by presented words.
+    #[serde(default)]
+    pub wer: Interval,
+    /// Presented words that the lexicon of the decoder lacks, by presented words (OOV rate); `None` without a decoder.
+    #[serde(default)]
+    pub oov: Option<Interval>,
     /// Wrong characters of the nearest keys of the taps, by presented characters: the errors that no detection of taps avoids
     /// without a decoder. `None` if the layout has chords.
     #[serde(default)]
@@ -40,6 +46,12 @@ pub struct Summary {
     pub fitts_wpm: Interval,
     /// Keystrokes by transcribed character (Soukoreff & MacKenzie 2003).
     pub kspc: Interval,
+    /// Uncorrected error rate, INF / (C + INF + IF) of [`KeystrokeClasses`](super::KeystrokeClasses); `None` for people who do not correct.
+    #[serde(default)]
+    pub uncorrected: Option<Interval>,
+    /// Corrected error rate, IF / (C + INF + IF). The sum of both is the total error rate.
+    #[serde(default)]
+    pub corrected: Option<Interval>,
     /// Strokes that pressed what was meant, by strokes.
     pub hits: Interval,
     /// Presses of a target that touches the meant one, by strokes.
@@ -184,14 +196,15 @@ pub fn summarize(people: &[PersonScore]) -> Summary {
     let tries = |it: &PersonScore| it.tasks()[0];
     let done = |it: &PersonScore| it.tasks()[1];
     let sum = |value: fn(&PersonScore) -> u64| people.iter().map(value).sum::<u64>() as f64;
-    let known = |errors: fn(&PersonScore) -> Option<u64>| {
+    let known = |errors: fn(&PersonScore) -> Option<u64>, all: fn(&PersonScore) -> f64| {
         people.iter().all(|it| errors(it).is_some()).then(|| {
             bootstrap(people, |people| {
                 let errors: u64 = people.iter().filter_map(|it| errors(it)).sum();
-                ratio(errors as f64, people.iter().map(|it| characters(it)).sum())
+                ratio(errors as f64, people.iter().map(|it| all(it)).sum())
             })
         })
     };
+    let typed = |it: &PersonScore| it.keystrokes_by_class.map_or(0.0, |own| own.typed() as f64);
     let pairs = sum(|it| it.pairs[0]);
     let pair_sums = [
         sum(|it| it.pairs[1]),
@@ -211,8 +224,10 @@ pub fn summarize(people: &[PersonScore]) -> Summary {
         insertions: rate(|it| it.insertions as f64, characters),
         deletions: rate(|it| it.deletions as f64, characters),
         substitutions: rate(|it| it.substitutions as f64, characters),
-        nearest_cer: known(|it| it.nearest_errors),
-        shown_cer: known(|it| it.shown_errors),
+        wer: rate(|it| it.word_errors as f64, |it| it.words as f64),
+        oov: known(|it| it.unknown_words, |it| it.words as f64),
+        nearest_cer: known(|it| it.nearest_errors, characters),
+        shown_cer: known(|it| it.shown_errors, characters),
         wpm: mean(|it| it.wpm),
         pace_wpm: ratio(
             people.iter().map(|it| it.pace_wpm).sum(),
@@ -220,6 +235,8 @@ pub fn summarize(people: &[PersonScore]) -> Summary {
         ),
         fitts_wpm: mean(|it| it.fitts_wpm),
         kspc: rate(|it| it.keystrokes as f64, |it| it.transcribed() as f64),
+        uncorrected: known(|it| Some(it.keystrokes_by_class?.not_fixed), typed),
+        corrected: known(|it| Some(it.keystrokes_by_class?.fixed), typed),
         hits: rate(|it| it.hits as f64, strokes),
         neighbor_slips: rate(|it| it.neighbor_slips as f64, strokes),
         joint_travel_deg: mean(|it| it.joint_travel_deg),

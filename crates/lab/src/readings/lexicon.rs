@@ -37,6 +37,28 @@ impl Lexicon {
         }
     }
 
+    /// Returns the number of words of a text that are not in the lexicon. Words are separated by blanks; capitals and punctuation around a
+    /// word do not count.
+    pub(crate) fn unknown_words(&self, text: &str) -> u64 {
+        let words = text.split_whitespace();
+        let unknown = words.filter(|word| {
+            let letters: Vec<char> = word.to_lowercase().chars().collect();
+            let is_part = |letter: &char| letter.is_alphanumeric();
+            let first = letters.iter().position(is_part).unwrap_or_default();
+            let end = letters.iter().rposition(is_part).map_or(0, |last| last + 1);
+            // Some words begin or end with an apostrophe.
+            !self.has(&letters) && !self.has(letters.get(first..end).unwrap_or_default())
+        });
+        unknown.count() as u64
+    }
+
+    fn has(&self, word: &[char]) -> bool {
+        let letters = letters_of(word);
+        let indices = self.by_length.get(&word.len());
+        let mut indices = indices.into_iter().flatten();
+        indices.any(|&index| self.letters[index] == letters && self.words[index].0 == word)
+    }
+
     /// Corrects each word to the likeliest of the nearest words, at most two edits away: what SymSpell answers first. An edit adds,
     /// removes or replaces a letter, or swaps two adjacent ones. An unknown word without such a word stays.
     pub fn spelling(&self, text: &str) -> String {
@@ -201,6 +223,20 @@ mod tests {
             ("thr ketle", "the kettle"),
         ] {
             assert_eq!(lexicon.spelling(typed), read, "{typed}");
+        }
+    }
+
+    #[test]
+    fn words_that_the_lexicon_lacks_are_counted_without_capitals_and_punctuation() {
+        let lexicon = lexicon();
+        for (text, unknown) in [
+            ("the toe", 0),
+            ("The \"toe\", then a kettle.", 0),
+            ("the teh a", 1),
+            ("a 42 => kettles", 3),
+            ("", 0),
+        ] {
+            assert_eq!(lexicon.unknown_words(text), unknown, "{text}");
         }
     }
 

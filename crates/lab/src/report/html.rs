@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write};
 
-use super::{Row, curves, keys_of_all, task_rows, write_curve, wrong_of_all};
+use super::{curves, keys_of_all, rows, write_curve, wrong_of_all};
 use crate::layout::{Heat, Layout, TooManyShapes, heat_style};
 use crate::measures::{Comparison, Interval, LabResult, PersonScore, Summary};
 use crate::message::escape_markup;
@@ -227,50 +227,6 @@ fn write_curves(result: &LabResult, page: &mut String) -> fmt::Result {
         writeln!(page, "</figure>")?;
     }
     writeln!(page, "</div>")
-}
-
-/// Returns the figures of a summary with their names, factors and digits.
-fn rows(summary: &Summary) -> Vec<Row> {
-    if summary.characters == 0 {
-        return task_rows(summary);
-    }
-    let rows = [
-        ("words of correct text per minute", summary.wpm, 1.0, 1),
-        ("wrong characters (CER), %", summary.cer, 100.0, 1),
-        ("insertions, %", summary.insertions, 100.0, 1),
-        ("deletions, %", summary.deletions, 100.0, 1),
-        ("substitutions, %", summary.substitutions, 100.0, 1),
-        ("keystrokes per character", summary.kspc, 1.0, 2),
-        ("strokes that hit, %", summary.hits, 100.0, 1),
-        (
-            "slips to a neighbor, % of strokes",
-            summary.neighbor_slips,
-            100.0,
-            1,
-        ),
-        (
-            "fastest movements (Fitts), words/min",
-            summary.fitts_wpm,
-            1.0,
-            1,
-        ),
-        (
-            "joint travel, °/character",
-            summary.joint_travel_deg,
-            1.0,
-            0,
-        ),
-        (
-            "outside the comfortable range, % of time",
-            summary.uncomfortable,
-            100.0,
-            1,
-        ),
-    ];
-    let owned = |(name, interval, factor, digits): (&'static str, Interval, f64, usize)| {
-        (name.into(), interval, factor, digits)
-    };
-    rows.map(owned).into()
 }
 
 fn write_people(result: &LabResult, page: &mut String) -> fmt::Result {

@@ -4,12 +4,14 @@ mod csv;
 mod curve;
 mod html;
 mod tasks;
+mod typing;
 
 pub use csv::to_csv;
 pub use curve::{Curve, curves, write_curve};
 pub(crate) use html::STYLE;
 pub use html::{heats, to_html};
 pub use tasks::{Row, task_rows};
+use typing::rows;
 
 use std::collections::BTreeMap;
 

@@ -47,7 +47,9 @@ pub use motor::TypingKeys;
 pub(crate) use movement::minimum_jerk;
 pub use pointer_hand::{Pointed, PointerHand};
 pub use reach::{Miss, TapPath, pressing_fingers};
-pub use score::{EditCounts, TypingScore, error_rate, kept_characters, words_per_minute};
+pub use score::{
+    EditCounts, TypingScore, error_rate, kept_characters, word_errors, words_per_minute,
+};
 pub use script::Script;
 pub use sensor::{JointSensor, Sensor};
 pub use settings::TypistSettings;

@@ -146,6 +146,15 @@ pub fn words_per_minute(length: usize, seconds: f64) -> f64 {
     (length - 1) as f64 / seconds * 60.0 / 5.0
 }
 
+/// Returns the number of words of a presented text, and the Levenshtein distance of its words from those of a typed one. Words are
+/// separated by blanks; capitals and punctuation are part of them.
+pub fn word_errors(presented: &str, typed: &str) -> [usize; 2] {
+    let [presented, typed] =
+        [presented, typed].map(|text| text.split_whitespace().collect::<Vec<&str>>());
+    let errors = strsim::generic_levenshtein(&presented, &typed);
+    [presented.len(), errors]
+}
+
 /// Returns the Levenshtein distance divided by the length of the longer text (Soukoreff & MacKenzie 2003), 0..=1; 0 for
 /// two empty texts.
 pub fn error_rate(presented: &str, typed: &str) -> f64 {
@@ -240,6 +249,22 @@ mod tests {
                 count <= presented.len().min(typed.len()),
                 "{presented} {typed}"
             );
+        }
+    }
+
+    #[test]
+    fn a_word_is_wrong_once_however_many_of_its_letters_are() {
+        for (presented, typed, expected) in [
+            ("we met at noon", "we met at noon", [4, 0]),
+            ("we met at noon", "we mat at mqqn", [4, 2]),
+            // A blank too many or too few.
+            ("we met at noon", "we me t at noon", [4, 2]),
+            ("we met at noon", "wemet at noon", [4, 2]),
+            ("we met at noon", "we at noon", [4, 1]),
+            ("we met", "", [2, 2]),
+            ("", "we", [0, 1]),
+        ] {
+            assert_eq!(word_errors(presented, typed), expected, "{typed}");
         }
     }
 

@@ -6,6 +6,7 @@ use parry3d::math::Vec2;
 
 use crate::contact::TargetId;
 use crate::hand::Finger;
+use crate::measures::KeystrokeClasses;
 use crate::readings::PhraseTaps;
 use crate::sim::EditCounts;
 use crate::sim::fluent::Load;
@@ -84,6 +85,10 @@ pub struct Observed {
     pub shown_errors: usize,
     /// The number of characters that were to be typed.
     pub characters: usize,
+    /// The number of words that were to be typed, and the edit distance of the words.
+    pub words: [usize; 2],
+    /// The keystrokes by class.
+    pub keystrokes_by_class: KeystrokeClasses,
     /// Keys that went down.
     pub keystrokes: usize,
     /// The time from the first to the last event of each phrase, in seconds.

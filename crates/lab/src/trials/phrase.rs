@@ -14,9 +14,12 @@ use crate::contact::TargetId;
 use crate::contact::surface::{Shape, Target};
 use crate::hand::Finger;
 use crate::layout::Layout;
+use crate::measures::KeystrokeClasses;
 use crate::readings::{PhraseTaps, PlaneCrossing, plain};
 use crate::sim::fluent::Tap;
-use crate::sim::{EditCounts, HandAction, backspace_of, taps_for_text, words_per_minute};
+use crate::sim::{
+    EditCounts, HandAction, backspace_of, taps_for_text, word_errors, words_per_minute,
+};
 
 /// The time for which the hand is clear of all keys at the start, in seconds: output is armed after 0.3 s.
 const CLEAR: f64 = 0.6;
@@ -237,6 +240,8 @@ impl Station {
             observed,
         );
         observed.keystrokes += session.keystrokes;
+        let classes = KeystrokeClasses::new(&edits, session.fixed, session.fixes);
+        observed.keystrokes_by_class.add(classes);
         observed.phrases += 1;
         let span = session.span.map(|(start, last)| last.since(start));
         let seconds = span.unwrap_or_default().as_secs_f64();
@@ -270,8 +275,11 @@ impl Station {
         [nearest, plane]: [String; 2],
         observed: &mut Observed,
     ) -> EditCounts {
-        let meant = self.compared(presented);
-        let edits = EditCounts::new(&meant, &self.compared(typed));
+        let (meant, compared) = (self.compared(presented), self.compared(typed));
+        let [words, errors] = word_errors(&meant, &compared);
+        observed.words[0] += words;
+        observed.words[1] += errors;
+        let edits = EditCounts::new(&meant, &compared);
         observed.edits.correct += edits.correct;
         observed.edits.substitutions += edits.substitutions;
         observed.edits.insertions += edits.insertions;

@@ -8,7 +8,7 @@ use super::phrase::Step;
 use super::station::Station;
 use crate::capture::{Reading, Sample};
 use crate::contact::{Phase, TargetId};
-use crate::device::{EventKind, Events};
+use crate::device::{EventKind, Events, KeyCode};
 use crate::estimate::JointAngles;
 use crate::layout::Layout;
 use crate::people::Draw;
@@ -40,6 +40,9 @@ pub(super) struct Session<'a> {
     pub(super) strokes: Vec<Stroke>,
     presses: Vec<SeenPress>,
     pub(super) keystrokes: usize,
+    /// The number of presses of Backspace, and of the characters that they deleted.
+    pub(super) fixes: usize,
+    pub(super) fixed: usize,
     pub(super) span: Option<(Timestamp, Timestamp)>,
     pub(super) draw: Draw,
     /// The plainest detector of taps; `None` without a decoder.
@@ -142,7 +145,10 @@ impl Station {
                 }
             }
             for event in &session.events {
+                let length = session.field.text().len();
                 session.field.handle(event);
+                session.fixes += usize::from(event.kind == EventKind::KeyDown(KeyCode::BACKSPACE));
+                session.fixed += usize::from(session.field.text().len() < length);
                 if matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_)) {
                     session.keystrokes += 1;
                     let first = session.span.map_or(event.time, |(first, _)| first);
@@ -172,6 +178,8 @@ impl<'a> Session<'a> {
             strokes: Vec::new(),
             presses: Vec::new(),
             keystrokes: 0,
+            fixes: 0,
+            fixed: 0,
             span: None,
             draw: Draw::new(seed, 0x7e57),
             plane: plane.map(|_| PlaneCrossing::new(station.layout.boards.len())),

@@ -101,7 +101,19 @@ fn print_typing(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
     if let Some(shown) = &summary.shown_cer {
         row(out, "  nearest keys as shown, %", shown, 100.0, 1)?;
     }
+    row(out, "wrong words (WER), %", &summary.wer, 100.0, 1)?;
+    if let Some(oov) = &summary.oov {
+        row(out, "words not in the lexicon (OOV), %", oov, 100.0, 1)?;
+    }
     row(out, "keystrokes per character", &summary.kspc, 1.0, 2)?;
+    for (name, rate) in [
+        ("  uncorrected errors, %", &summary.uncorrected),
+        ("  corrected errors, %", &summary.corrected),
+    ] {
+        if let Some(known) = rate {
+            row(out, name, known, 100.0, 1)?;
+        }
+    }
     row(out, "strokes that hit, %", &summary.hits, 100.0, 1)?;
     row(
         out,

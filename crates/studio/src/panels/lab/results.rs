@@ -63,12 +63,16 @@ fn show_figures(ui: &mut egui::Ui, scored: &Scored) {
             ("lab-insertions", &summary.insertions, 100.0, 1),
             ("lab-deletions", &summary.deletions, 100.0, 1),
             ("lab-substitutions", &summary.substitutions, 100.0, 1),
+            ("lab-wer", &summary.wer, 100.0, 1),
             ("lab-kspc", &summary.kspc, 1.0, 2),
             ("lab-hits", &summary.hits, 100.0, 1),
             ("lab-travel", &summary.joint_travel_deg, 1.0, 0),
         ];
         for (key, interval, factor, digits) in rows {
             show_row(ui, text(key), interval, factor, digits);
+        }
+        if let Some(oov) = &summary.oov {
+            show_row(ui, text("lab-oov"), oov, 100.0, 1);
         }
         ui.label(text("lab-worst"));
         let values = [
