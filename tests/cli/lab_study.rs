@@ -112,6 +112,9 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
     assert_eq!(rows[1][column("characters")], "5");
     assert_eq!(rows[1][column("cer")], "0");
     assert_eq!(rows[1][column("kspc")], "1");
+    for name in ["deleted", "uncorrected", "corrected"] {
+        assert_eq!(rows[1][column(name)], "0", "{name}");
+    }
     assert!(rows[1][column("wpm")].parse::<f64>().expect("a speed") > 5.0);
     // Both layouts have the same number of the task for a phrase.
     assert_eq!(rows[1][column("task")], rows[2][column("task")]);

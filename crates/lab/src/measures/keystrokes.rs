@@ -23,7 +23,7 @@ impl KeystrokeClasses {
     pub fn new(edits: &EditCounts, fixed: usize, fixes: usize) -> Self {
         let longer = edits.correct + edits.substitutions + edits.insertions.max(edits.deletions);
         Self {
-            correct: (longer - edits.errors()) as u64,
+            correct: longer.saturating_sub(edits.errors()) as u64,
             not_fixed: edits.errors() as u64,
             fixed: fixed as u64,
             fixes: fixes as u64,

@@ -7,7 +7,7 @@ use crate::measures::{Interval, bootstrap};
 use crate::message::quote_csv;
 
 /// The columns: factors for a mixed model first (random effects of `participant` and `task`), then the measures.
-const COLUMNS: &str = "participant,layout,kind,task,order,simulated,time,program,seconds,characters,substitutions,insertions,deletions,cer,wpm,keystrokes,backspaces,kspc,targets,misses,movement_s,path_efficiency,throughput_bits_per_s,goal,value,value_error";
+const COLUMNS: &str = "participant,layout,kind,task,order,simulated,time,program,seconds,characters,substitutions,insertions,deletions,cer,wpm,keystrokes,backspaces,deleted,kspc,uncorrected,corrected,targets,misses,movement_s,path_efficiency,throughput_bits_per_s,goal,value,value_error";
 
 /// Returns the trials as CSV, one line for each, the columns first. Figures that a trial does not have are empty. There are no texts in
 /// it.
@@ -21,6 +21,8 @@ pub fn trials_to_csv(trials: &[Trial]) -> String {
         };
         let whole = |value: Option<usize>| value.map_or(String::new(), |it| it.to_string());
         let real = |value: Option<f64>| value.map_or(String::new(), |it| it.to_string());
+        let part = |own: u64, all: u64| own as f64 / all.max(1) as f64;
+        let classes = trial.keystrokes_by_class();
         let pointing = trial.pointing.as_ref();
         let fields = [
             quote_csv(&trial.participant),
@@ -40,7 +42,10 @@ pub fn trials_to_csv(trials: &[Trial]) -> String {
             real(trial.wpm),
             whole(trial.keystrokes),
             whole(trial.backspaces),
+            whole(trial.deleted),
             real(trial.kspc()),
+            real(classes.map(|it| part(it.not_fixed, it.typed()))),
+            real(classes.map(|it| part(it.fixed, it.typed()))),
             whole(pointing.map(|it| it.targets)),
             whole(pointing.map(|it| it.misses)),
             real(pointing.map(|it| it.movement_s)),
@@ -72,6 +77,10 @@ pub struct LayoutFigures {
     pub cer: Option<Interval>,
     /// Keystrokes by transcribed characters.
     pub kspc: Option<Interval>,
+    /// Characters that are wrong in the end, by those that were typed (uncorrected error rate).
+    pub uncorrected: Option<Interval>,
+    /// Characters that were deleted again, by those that were typed (corrected error rate).
+    pub corrected: Option<Interval>,
     /// Throughput of a pointer in bits per second, the mean of the participants.
     pub throughput: Option<Interval>,
     /// Clicks beside their target, by clicks.
@@ -85,10 +94,12 @@ pub struct LayoutFigures {
 impl LayoutFigures {
     /// Returns the figures that there are, with their names and units, the factors to these units, and the digits after the point.
     pub fn rows(&self) -> Vec<(&'static str, Interval, f64, usize)> {
-        let rows: [(&str, Option<Interval>, f64, usize); 7] = [
+        let rows: [(&str, Option<Interval>, f64, usize); 9] = [
             ("words of correct text/min", self.wpm, 1.0, 1),
             ("wrong characters (CER), %", self.cer, 100.0, 1),
             ("keystrokes per character", self.kspc, 1.0, 2),
+            ("  uncorrected errors, %", self.uncorrected, 100.0, 1),
+            ("  corrected errors, %", self.corrected, 100.0, 1),
             ("effective throughput, bit/s", self.throughput, 1.0, 2),
             ("clicks beside the target, %", self.misses, 100.0, 1),
             ("time to set a value, s", self.value_seconds, 1.0, 2),
@@ -142,6 +153,14 @@ pub fn figures(trials: &[Trial], with_practice: bool) -> Vec<LayoutFigures> {
             }),
             kspc: rate(&people, |it| {
                 Some((it.keystrokes? as f64, it.transcribed()? as f64))
+            }),
+            uncorrected: rate(&people, |it| {
+                let classes = it.keystrokes_by_class()?;
+                Some((classes.not_fixed as f64, classes.typed() as f64))
+            }),
+            corrected: rate(&people, |it| {
+                let classes = it.keystrokes_by_class()?;
+                Some((classes.fixed as f64, classes.typed() as f64))
             }),
             throughput: mean(&people, |it| Some(it.pointing?.throughput)),
             misses: rate(&people, |it| {

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::measures::PointingResult;
-use crate::sim::TypingScore;
+use crate::measures::{KeystrokeClasses, PointingResult};
+use crate::sim::{EditCounts, TypingScore};
 
 /// The kind of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -70,6 +70,8 @@ pub struct Trial {
     pub keystrokes: Option<usize>,
     /// The presses of Backspace among them.
     pub backspaces: Option<usize>,
+    /// Characters that were deleted again.
+    pub deleted: Option<usize>,
     /// Words of correct text per minute.
     pub wpm: Option<f64>,
     /// The clicks on a ring.
@@ -111,8 +113,51 @@ impl Trial {
         Some(self.keystrokes? as f64 / characters as f64)
     }
 
+    /// Returns the keystrokes by class.
+    pub fn keystrokes_by_class(&self) -> Option<KeystrokeClasses> {
+        let (substitutions, deletions) = (self.substitutions?, self.deletions?);
+        let edits = EditCounts {
+            correct: self.characters?.saturating_sub(substitutions + deletions),
+            substitutions,
+            insertions: self.insertions?,
+            deletions,
+        };
+        Some(KeystrokeClasses::new(
+            &edits,
+            self.deleted?,
+            self.backspaces?,
+        ))
+    }
+
     /// Returns the difference from the value that was to be set.
     pub fn value_error(&self) -> Option<f64> {
         self.value.map(|[goal, set]| (set - goal).abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trial(counts: &str) -> Trial {
+        let text = format!(
+            "{{\"participant\":\"P01\",\"order\":0,\"layout\":\"board\",\"kind\":\"phrase\",\"task\":0,\"time\":\"\",\
+             \"is_simulated\":false,\"program_version\":\"\",\"seconds\":1.0{counts}}}"
+        );
+        serde_json::from_str(&text).expect("a trial")
+    }
+
+    #[test]
+    fn the_keystrokes_of_a_trial_have_classes_if_they_were_counted() {
+        let edits = ",\"characters\":20,\"substitutions\":1,\"insertions\":0,\"deletions\":2";
+        let counted = trial(&format!("{edits},\"backspaces\":4,\"deleted\":3"));
+        let expected = KeystrokeClasses {
+            correct: 17,
+            not_fixed: 3,
+            fixed: 3,
+            fixes: 4,
+        };
+        assert_eq!(counted.keystrokes_by_class(), Some(expected));
+        assert_eq!(trial(edits).keystrokes_by_class(), None);
     }
 }

@@ -29,6 +29,8 @@ pub struct PracticeLine {
     last: Timestamp,
     /// Characters that were deleted again, by the character that belongs in their place.
     corrected: BTreeMap<char, usize>,
+    /// Characters that were deleted again.
+    deletions: usize,
     /// The fingers of each character, in a lesson of chords.
     chords: ChordLegend,
     /// `true` if a text decoder finds the letters of multitap keys from one tap each.
@@ -66,6 +68,7 @@ impl PracticeLine {
             first: None,
             last: Timestamp(0),
             corrected: BTreeMap::new(),
+            deletions: 0,
             chords: ChordLegend::new(),
             finds_letters: false,
         }
@@ -94,6 +97,7 @@ impl PracticeLine {
         }
         self.first.get_or_insert(event.time);
         self.last = event.time;
+        self.deletions += before.len().saturating_sub(length);
         let deleted = before.get(length).filter(|_| length < before.len());
         let wanted = self.text.get(length).copied();
         if let (Some(deleted), Some(wanted)) = (deleted, wanted)
@@ -129,6 +133,11 @@ impl PracticeLine {
         self.last
             .since(self.first.unwrap_or_default())
             .as_secs_f64()
+    }
+
+    /// Returns the number of characters that were deleted again.
+    pub fn deletions(&self) -> usize {
+        self.deletions
     }
 
     /// Returns each character of the presented text with its errors, the worst first.

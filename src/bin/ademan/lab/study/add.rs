@@ -202,6 +202,7 @@ fn empty(args: &AddArgs, layout: &str, order: usize) -> Trial {
         deletions: None,
         keystrokes: None,
         backspaces: None,
+        deleted: None,
         wpm: None,
         pointing: None,
         value: None,

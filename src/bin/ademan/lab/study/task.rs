@@ -69,6 +69,7 @@ impl StudyTask {
                 trial.set_typing(&line.score(true));
                 trial.keystrokes = Some(*keystrokes);
                 trial.backspaces = Some(*backspaces);
+                trial.deleted = Some(line.deletions());
             }
             Self::Targets(task) => {
                 let result = task.result();
