@@ -70,7 +70,7 @@ fn scatter_is_stretched_along_the_movement_on_a_turned_board_too() {
         ..steady(&["index"])
     };
     let score = run.of(&[person], SourceKind::Ideal).remove(0);
-    let mut squares = [0.0; 2];
+    let mut squares = [0.0_f64; 2];
     for key in &score.keys {
         assert!(key.places > 250, "{key:?}");
         squares[0] += key.spread_mm[0].powi(2);
