@@ -221,6 +221,24 @@ fn the_debounce_time_is_per_key_and_for_every_finger() {
     );
 }
 
+#[test]
+fn the_debounce_time_runs_from_the_end_of_each_press_of_two_fingers() {
+    // Both fingers bounce, and the first one stays down for longer than the debounce time.
+    let bounces =
+        "middle q 3 0 up; index q tap; index q down; middle q 3 0 down; middle q 3 0 up; wait 40";
+    assert_eq!(
+        simulate_keys(BOUNCE, &format!("{bounces}; index q up; index q down")),
+        "dn:Q up:Q"
+    );
+    assert_eq!(
+        simulate_keys(
+            BOUNCE,
+            &format!("{bounces}; index q up; wait 50; index q down")
+        ),
+        "dn:Q up:Q dn:Q"
+    );
+}
+
 const HOLD: &str = "q>shift w|2 e>layer1 r>x / ^t *shift#S u>ctrl";
 
 fn hold(script: &str) -> String {

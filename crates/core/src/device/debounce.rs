@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use super::PressSource;
+use crate::contact::Touch;
+use crate::hand::{FingerSet, Side};
 use crate::time::Timestamp;
 
 /// The last releases of the keys, by their indices.
@@ -15,8 +16,8 @@ pub(super) struct Debouncer {
 #[derive(Clone, Copy, Debug, Default)]
 struct Bounces {
     released_at: Option<Timestamp>,
-    /// The source of its last press, until that has ended.
-    pressed_by: Option<PressSource>,
+    /// The fingers of each hand that press it, also those whose press is ignored.
+    pressed_by: [FingerSet; Side::COUNT],
 }
 
 impl Debouncer {
@@ -34,28 +35,26 @@ impl Debouncer {
         }
     }
 
-    /// Records the end of the last press of a key, also of one that had no effect: the key goes on to bounce, however often noise presses
-    /// it.
-    pub(super) fn end_press(&mut self, index: usize, source: PressSource, time: Timestamp) {
-        if let Some(key) = self.keys.get_mut(index)
-            && key.pressed_by.take_if(|by| *by == source).is_some()
-        {
-            key.released_at = Some(time);
+    /// Records the end of a press, also of one that had no effect: the key goes on to bounce, however often noise presses it. A finger
+    /// that has only touched the key has pressed nothing.
+    pub(super) fn end_press(&mut self, index: usize, touch: &Touch) {
+        let Some(key) = self.keys.get_mut(index) else {
+            return;
+        };
+        let fingers = &mut key.pressed_by[touch.side.index()];
+        if fingers.contains(touch.finger) {
+            *fingers = fingers.without(touch.finger);
+            key.released_at = Some(touch.time);
         }
     }
 
     /// Notes a press. Returns `true` if it follows the release of its key within `debounce`, and is to be ignored. A press before the
     /// release comes from another finger and is not a bounce.
-    pub(super) fn ignores(
-        &mut self,
-        index: usize,
-        source: PressSource,
-        time: Timestamp,
-        debounce: Duration,
-    ) -> bool {
-        let is_bounce = self.is_bounce(index, time, debounce);
+    pub(super) fn ignores(&mut self, index: usize, touch: &Touch, debounce: Duration) -> bool {
+        let is_bounce = self.is_bounce(index, touch.time, debounce);
         if let Some(key) = self.keys.get_mut(index) {
-            key.pressed_by = Some(source);
+            let fingers = &mut key.pressed_by[touch.side.index()];
+            *fingers = fingers.with(touch.finger);
         }
         is_bounce
     }

@@ -111,8 +111,7 @@ impl Keyboard {
             ..
         } = self.bindings[index];
         let is_dwell = matches!(activation, Activation::Dwell(_));
-        let source = PressSource::from_touch(touch);
-        if is_dwell || self.debouncer.ignores(index, source, touch.time, debounce) {
+        if is_dwell || self.debouncer.ignores(index, touch, debounce) {
             return;
         }
         if reports_velocity {
@@ -168,13 +167,7 @@ impl Keyboard {
     fn end_press(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         let source = PressSource::from_touch(touch);
         if let Some(index) = self.index.get(touch.target) {
-            if self.is_pending(source)
-                || out.arbiter.has_press_from(source)
-                || self.velocities.is_held_by(source)
-            {
-                self.debouncer.record_release(index, touch.time);
-            }
-            self.debouncer.end_press(index, source, touch.time);
+            self.debouncer.end_press(index, touch);
         }
         self.pending.retain(|press| press.source != source);
         self.velocities

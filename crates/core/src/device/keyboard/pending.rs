@@ -74,7 +74,7 @@ fn momentary(action: KeyAction) -> KeyAction {
 
 impl Keyboard {
     /// Returns `true` if a press from this source is pending.
-    pub(super) fn is_pending(&self, source: PressSource) -> bool {
+    fn is_pending(&self, source: PressSource) -> bool {
         self.pending.iter().any(|press| press.source == source)
     }
 

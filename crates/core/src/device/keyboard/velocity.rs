@@ -50,7 +50,7 @@ impl VelocityReporter {
     }
 
     /// Returns `true` if a finger holds a key that was emitted.
-    pub(super) fn is_held_by(&self, source: PressSource) -> bool {
+    fn is_held_by(&self, source: PressSource) -> bool {
         self.held.contains(&source)
     }
 
