@@ -2,11 +2,11 @@
 
 use ademan::capture::{Reading, Sample};
 use ademan::device::Events;
-use ademan::estimate::ZeroError;
+use ademan::estimate::{ZeroError, Zeroed};
 use ademan::files::Load;
-use ademan::hand::{Dof, Joint, JointAngles, JointPositions};
+use ademan::hand::{Dof, Joint, JointAngles, JointPositions, Side};
 use ademan::pipeline::{CommandError, PipelineState};
-use ademan::setup::{LoadedSetup, Setup};
+use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::time::Timestamp;
 use glam::DVec3;
 
@@ -14,6 +14,7 @@ use crate::key_words::push_key_words;
 use crate::support::checked::CheckedPipeline;
 use crate::support::press::{Posture, Press, reading};
 use crate::support::wearer::load_layout;
+use crate::wearer::Wearer;
 
 /// A glove whose channels are shifted by a number of counts, as it has slipped.
 struct Slipped {
@@ -97,6 +98,11 @@ impl Slipped {
         outcome
     }
 
+    fn zeroed(&self) -> Option<Zeroed> {
+        let mut hands = self.pipeline.zeroed();
+        hands.next().map(|(_, zeroed)| zeroed)
+    }
+
     fn undo_zero(&mut self) -> Result<(), CommandError> {
         let mut events = Events::new();
         let outcome = self.pipeline.undo_zero(&mut events);
@@ -136,13 +142,13 @@ fn zeroing_turns_the_resting_hand_into_the_rest_pose_and_undoing_it_turns_it_bac
     assert!((slipped - at_rest).abs() > 4.0, "{slipped}");
 
     assert_eq!(hand.zero(), Ok(()));
-    let zeroed = hand.pipeline.zeroed().expect("it was zeroed");
+    let zeroed = hand.zeroed().expect("it was zeroed");
     assert_eq!(zeroed.largest, dof);
     let found = degrees(&hand.angles(), dof);
     assert!((found - at_rest).abs() < 0.2, "{found}, not {at_rest}");
 
     assert_eq!(hand.undo_zero(), Ok(()));
-    assert_eq!(hand.pipeline.zeroed(), None);
+    assert_eq!(hand.zeroed(), None);
     let found_again = degrees(&hand.angles(), dof);
     assert!(
         (found_again - slipped).abs() < 0.2,
@@ -189,7 +195,7 @@ fn zeroing_is_refused_with_the_reason() {
     };
     assert_eq!(dof, Dof::IndexMcpFlexion);
     assert!(degrees > 20, "{refused}");
-    assert_eq!(hand.pipeline.zeroed(), None);
+    assert_eq!(hand.zeroed(), None);
     assert_eq!(hand.pipeline.state(), PipelineState::Running, "no effect");
     hand.pipeline.stall(&mut Events::new());
     assert_eq!(hand.zero(), Err(CommandError::NoHand));
@@ -226,9 +232,9 @@ fn a_key_of_the_layout_zeroes_the_hand_once_it_rests() {
     hand.rest();
     let pressed = hand.press.pressed();
     hand.hold(&pressed, 180);
-    assert_eq!(hand.pipeline.zeroed(), None, "the finger is on the key");
+    assert_eq!(hand.zeroed(), None, "the finger is on the key");
     hand.rest();
-    assert!(hand.pipeline.zeroed().is_some());
+    assert!(hand.zeroed().is_some());
     let found = degrees(&hand.angles(), dof);
     assert!((found - at_rest).abs() < 0.2, "{found}, not {at_rest}");
     assert!(hand.keys.is_empty(), "{:?}", hand.keys);
@@ -240,5 +246,93 @@ fn a_hand_that_does_not_come_to_rest_in_time_is_not_zeroed() {
     let pressed = hand.press.pressed();
     hand.hold(&pressed, 1000);
     hand.rest();
-    assert_eq!(hand.pipeline.zeroed(), None, "5 s have passed");
+    assert_eq!(hand.zeroed(), None, "5 s have passed");
+}
+
+/// A wearer of two gloves, both slipped by 3°, who rests over the key `w` of each board. Each board has a key that zeroes the hand, too.
+fn wearer_of_slipped_gloves() -> Wearer {
+    let board = |side: Side, bearing: i32| {
+        format!(
+            r#"(
+            hand: "{side}",
+            pose: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, height_mm: -45),
+            pitch_mm: 24, size_mm: Box(22, 20),
+            keys: [
+                (code: "W", name: "{side}-w", at_mm: (0, 0)),
+                (action: Command("zero"), name: "{side}-zero", at_mm: (24, 0)),
+                (code: "A", name: "{side}-a", at_mm: (-48, 0)),
+                (code: "D", name: "{side}-d", at_mm: (48, 0)),
+            ],
+        )"#
+        )
+    };
+    let (left, right) = (board(Side::Left, -35), board(Side::Right, 35));
+    let setup = Setup {
+        source: Some("serial:/dev/right".parse().expect("a source")),
+        other_hand: Some(OtherHand {
+            source: Some("serial:/dev/left".parse().expect("a source")),
+            ..OtherHand::default()
+        }),
+        ..Setup::default()
+    };
+    let layout = format!(r#"Layout(name: "two", boards: [{left}, {right}])"#);
+    let mut wearer = Wearer::with_layout(&layout, setup);
+    rest_both(&mut wearer);
+    for side in [Side::Left, Side::Right] {
+        let channels = wearer.shown[side.index()].clone().expect("it is shown");
+        let reading = Reading::new(Timestamp(0), Some(side), Sample::Channels(channels));
+        let mut rest_pose = wearer.pipeline.output_for(&reading).estimate.angles;
+        let bent = rest_pose.get(Dof::IndexMcpFlexion) + 3_f64.to_radians();
+        rest_pose.set(Dof::IndexMcpFlexion, bent);
+        let loaded = &mut wearer.loaded;
+        let other = loaded.other_hand.as_mut().expect("another hand");
+        let gloves = [&mut loaded.glove, &mut other.glove];
+        let mut gloves = gloves.into_iter().flatten();
+        let glove = gloves.find(|glove| glove.side == side);
+        glove.expect("a glove").rest_pose = rest_pose;
+    }
+    wearer.pipeline = CheckedPipeline::new(&wearer.loaded);
+    wearer.time_ms = 0;
+    rest_both(&mut wearer);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    wearer
+}
+
+fn rest_both(wearer: &mut Wearer) {
+    for side in [Side::Left, Side::Right] {
+        wearer.go(side, &format!("{side}-w"), false);
+    }
+    wearer.hold_still(2000);
+}
+
+fn zeroed_hands(wearer: &Wearer) -> Vec<Side> {
+    wearer.pipeline.zeroed().map(|(side, _)| side).collect()
+}
+
+#[test]
+fn a_key_zeroes_the_hand_that_presses_it_although_the_other_one_rests() {
+    for side in [Side::Left, Side::Right] {
+        let mut wearer = wearer_of_slipped_gloves();
+        wearer.tap(side, &format!("{side}-zero"));
+        rest_both(&mut wearer);
+        assert_eq!(zeroed_hands(&wearer), [side]);
+    }
+}
+
+#[test]
+fn a_command_from_outside_zeroes_each_hand_that_rests() {
+    let mut wearer = wearer_of_slipped_gloves();
+    assert_eq!(wearer.pipeline.zero(&mut Events::new()), Ok(()));
+    let mut zeroed = zeroed_hands(&wearer);
+    zeroed.sort_unstable();
+    assert_eq!(zeroed, [Side::Left, Side::Right]);
+
+    let mut wearer_with_one_at_rest = wearer_of_slipped_gloves();
+    for key in ["left-a", "left-d"] {
+        wearer_with_one_at_rest.go(Side::Left, key, false);
+        wearer_with_one_at_rest.hold_still(200);
+    }
+    let pipeline = &mut wearer_with_one_at_rest.pipeline;
+    assert_eq!(pipeline.zero(&mut Events::new()), Ok(()));
+    assert_eq!(zeroed_hands(&wearer_with_one_at_rest), [Side::Right]);
 }

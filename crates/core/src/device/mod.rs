@@ -207,7 +207,12 @@ impl DeviceOutput<'_> {
     pub fn press(&mut self, source: PressSource, action: KeyAction, time: Timestamp) -> bool {
         let is_issued = match action {
             KeyAction::Command(_) if self.arbiter.drops(source, action) => return true,
-            KeyAction::Command(command) => self.issue(time, command),
+            KeyAction::Command(command) => {
+                if command == Command::Zero {
+                    self.arbiter.ask_to_zero(source);
+                }
+                self.issue(time, command)
+            }
             _ => false,
         };
         let is_pressed = self.arbiter.press(source, action, time, self.events);

@@ -182,14 +182,16 @@ impl Pipeline {
     /// Returns the index of the hand that was tracked last, unless it has stalled. A hand that is seen precedes one that is not: a
     /// camera sends readings of both.
     pub(super) fn last_tracked_hand(&self) -> Option<usize> {
-        let last_tracked = |&index: &usize| {
-            let last = self.hands[index].last_accepted?;
-            (self.time.since(last) <= self.settings.stall_timeout).then_some(last)
-        };
-        let tracked = (0..self.hands.len()).filter(|index| last_tracked(index).is_some());
-        tracked.max_by_key(|index| {
-            let is_seen = self.hands[*index].output.estimate.shows_hand();
-            (is_seen, last_tracked(index))
+        let tracked = (0..self.hands.len()).filter(|&index| self.is_tracked(index));
+        tracked.max_by_key(|&index| {
+            let hand = &self.hands[index];
+            (hand.output.estimate.shows_hand(), hand.last_accepted)
         })
+    }
+
+    /// Returns `true` if readings of a hand arrive.
+    pub(super) fn is_tracked(&self, index: usize) -> bool {
+        let last = self.hands[index].last_accepted;
+        last.is_some_and(|last| self.time.since(last) <= self.settings.stall_timeout)
     }
 }

@@ -31,6 +31,8 @@ pub(super) struct HandPipeline {
     /// `true` after the hand has pressed faster than the rate limit while another one is tracked: it touches nothing until the
     /// run is resumed.
     pub(super) is_suspended: bool,
+    /// `true` if the latest zeroing has changed the hand.
+    pub(super) is_zeroed: bool,
     pub(super) start: StartDetector,
     pub(super) reach: ReachWatch,
     pub(super) room: RoomState,
@@ -55,6 +57,7 @@ impl HandPipeline {
             was_placed: false,
             consecutive_rejections: 0,
             is_suspended: false,
+            is_zeroed: false,
             start: StartDetector::default(),
             reach: ReachWatch::default(),
             room: RoomState::default(),

@@ -353,6 +353,11 @@ impl LayoutInstance {
         self.key_arbiter.take_dropped_presses()
     }
 
+    /// Returns the hand that has asked last to be zeroed.
+    pub(super) fn hand_to_zero(&self) -> Side {
+        self.key_arbiter.hand_to_zero()
+    }
+
     /// Returns `true` if the last step has shown that its hand is lost.
     pub(super) fn has_lost_hand(&self) -> bool {
         self.has_lost_hand

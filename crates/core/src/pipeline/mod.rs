@@ -41,6 +41,7 @@ use std::time::Duration;
 use self::hand_pipeline::HandPipeline;
 use self::output_gate::OutputGate;
 use self::press_filter::PressFilters;
+use self::zero::ZeroRequest;
 use crate::capture::Reading;
 use crate::command::{CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
@@ -93,8 +94,8 @@ pub struct Pipeline {
     /// The origin of a requested pause. `state` may change during the pause, but not to `Running`.
     paused_by: Option<CommandOrigin>,
     clear_since: Option<Timestamp>,
-    /// The time until which a hand that comes to rest is zeroed, because the layout asked for it.
-    zero_until: Option<Timestamp>,
+    /// A hand that is zeroed once it rests, because it has asked for it with the layout.
+    zero_request: Option<ZeroRequest>,
     accepted: u64,
     rejected: [u64; Rejection::COUNT],
     stalls: u64,
@@ -127,7 +128,7 @@ impl Pipeline {
             time: Timestamp::default(),
             paused_by: None,
             clear_since: None,
-            zero_until: None,
+            zero_request: None,
             accepted: 0,
             rejected: [0; Rejection::COUNT],
             stalls: 0,

@@ -22,6 +22,8 @@ pub(super) struct StepHand {
     dropped_presses: u64,
     /// The keys and characters of this step that the other hand has caused: presses that were delayed.
     of_other_hand: ArrayVec<EventKind, MAX_PRESSES_OF_OTHER_HAND>,
+    /// The hand that has asked last to be zeroed.
+    to_zero: Side,
 }
 
 impl Default for StepHand {
@@ -32,6 +34,7 @@ impl Default for StepHand {
             is_paused: false,
             dropped_presses: 0,
             of_other_hand: ArrayVec::new(),
+            to_zero: Side::Right,
         }
     }
 }
@@ -92,6 +95,16 @@ impl KeyArbiter {
     /// Returns `true`, and counts the press, if an action types and the hand of its source may only point.
     pub(in crate::device) fn drops(&mut self, source: PressSource, action: KeyAction) -> bool {
         self.hand.drops(source, action)
+    }
+
+    /// Notes that a source has issued the command that zeroes its hand.
+    pub(in crate::device) fn ask_to_zero(&mut self, source: PressSource) {
+        self.hand.to_zero = self.hand.side_of(source);
+    }
+
+    /// Returns the hand that has asked last to be zeroed.
+    pub fn hand_to_zero(&self) -> Side {
+        self.hand.to_zero
     }
 
     /// Returns the number of presses dropped because their hand may only point since the last call.

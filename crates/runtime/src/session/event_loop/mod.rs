@@ -336,10 +336,14 @@ impl SessionLoop<'_> {
     }
 
     fn reply(&self, command: &Command) -> Reply {
-        match self.pipeline.zeroed().filter(|_| *command == Command::Zero) {
-            Some(zeroed) => Reply::Text(zeroed.to_string()),
-            None => Reply::Done,
+        if *command != Command::Zero {
+            return Reply::Done;
         }
+        let hands = self.pipeline.zeroed();
+        let texts: Vec<_> = hands
+            .map(|(side, zeroed)| format!("{side} hand: {zeroed}"))
+            .collect();
+        Reply::Text(texts.join("; "))
     }
 
     /// Repeats a command of a recording. One that lets sources press keys is repeated only if no output has an effect.
