@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use ademan::capture::{CaptureError, Channels, Hc11Format, Sample, Source, SourceEvent};
-use ademan::hand::Finger;
-use ademan::setup::{LoadedSetup, Setup};
+use ademan::hand::{Finger, Side};
+use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::text::{TextModeSchema, TextSetup};
 use ademan::time::Timestamp;
 
@@ -145,5 +145,33 @@ fn a_finger_that_is_hidden_in_the_midst_of_a_swipe_ends_it() {
         };
         let typed = play(&setup, hand, |_, _, _| {});
         assert_eq!(typed.text, text, "hidden for {hidden_ms} ms");
+    }
+}
+
+#[test]
+fn a_hand_that_is_lost_does_not_end_the_swipe_of_the_other_one() {
+    let one_hand = setup("qwerty-swipe", Some(TextModeSchema::Auto));
+    let two_hands = Setup {
+        other_hand: Some(OtherHand::default()),
+        ..one_hand.setup.clone()
+    };
+    let two_hands = two_hands.load_files().expect("the shipped layout");
+    // The press of the first letter, and the midst of the swipe.
+    for readings in [1, 30] {
+        for (side, text) in [(Side::Left, "quick "), (Side::Right, "q")] {
+            let hand = one_hand.scripted(QUICK, &Hc11Format::default(), 0.0, 0);
+            let mut readings_since_press = 0;
+            let typed = play(
+                &two_hands,
+                hand.expect("a script"),
+                |presses, pipeline, events| {
+                    readings_since_press += usize::from(presses > 0);
+                    if readings_since_press == readings {
+                        pipeline.lose(Some(side), None, events);
+                    }
+                },
+            );
+            assert_eq!(typed.text, text, "{side} after {readings} readings");
+        }
     }
 }

@@ -60,6 +60,11 @@ pub trait PressFilter: Send {
     /// Forgets the presses that it holds.
     fn reset(&mut self);
 
+    /// Forgets the presses that it holds, because this hand is lost. What a finger of the other hand has begun may end first.
+    fn lose_hand(&mut self, _side: Side) {
+        self.reset();
+    }
+
     /// Sets the mode, if it decodes text.
     fn set_mode(&mut self, _: TextMode) {}
 
@@ -133,6 +138,13 @@ impl PressFilters {
     pub(super) fn reset(&mut self) {
         for filter in &mut self.filters {
             filter.reset();
+        }
+    }
+
+    /// Forgets the presses that filters hold, because a hand is lost.
+    pub(super) fn lose_hand(&mut self, side: Side) {
+        for filter in &mut self.filters {
+            filter.lose_hand(side);
         }
     }
 

@@ -40,9 +40,9 @@ impl Pipeline {
         let replacing = layout.take_replacing_presses();
         if layout.has_lost_hand() && self.gate.allows_keys(index) {
             // The hand may be at another keyboard or mouse by now.
-            self.filters.reset();
+            self.filters.lose_hand(side);
             if let Some(decoder) = layout.filter_mut() {
-                decoder.reset();
+                decoder.lose_hand(side);
             }
         }
         let (filter, scene, arbiter) = layout.filter_parts();

@@ -180,7 +180,7 @@ impl Pipeline {
 
     /// Updates the devices with a hand that has lost a part: they release what that part held.
     pub(super) fn release_lost(&mut self, index: usize, events: &mut Events) {
-        self.reset_filters();
+        self.lose_hand_in_filters(self.hands[index].side());
         let estimate = &mut self.hands[index].output.estimate;
         estimate.time = estimate.time.max(self.time);
         self.update_pose(index);

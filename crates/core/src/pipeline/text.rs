@@ -2,6 +2,7 @@
 
 use super::{CommandError, Pipeline, PressFilter, TextState};
 use crate::command::CommandOrigin;
+use crate::hand::Side;
 
 impl Pipeline {
     /// Returns what displays show of the text decoder of the active layout, if it has one.
@@ -45,6 +46,14 @@ impl Pipeline {
             }
         }
         Ok(())
+    }
+
+    /// Makes filters forget the presses that they hold, because a hand is lost.
+    pub(super) fn lose_hand_in_filters(&mut self, side: Side) {
+        self.filters.lose_hand(side);
+        if let Some(filter) = self.active_layout().filter_mut() {
+            filter.lose_hand(side);
+        }
     }
 
     /// Makes filters forget the presses that they hold.

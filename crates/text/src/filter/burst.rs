@@ -56,6 +56,18 @@ pub(super) fn append(
     true
 }
 
+/// Returns `true` if events begin with the Backspace of a multitap key, which has its release and a letter right behind it. It deletes
+/// that letter and undoes no correction.
+pub(super) fn replaces_letter(events: &[OutputEvent]) -> bool {
+    let [press, release, letter, ..] = events else {
+        return false;
+    };
+    press.kind == EventKind::KeyDown(KeyCode::BACKSPACE)
+        && release.kind == EventKind::KeyUp(KeyCode::BACKSPACE)
+        && matches!(letter.kind, EventKind::KeyDown(_) | EventKind::Character(_))
+        && [release.time, letter.time] == [press.time; 2]
+}
+
 /// Returns the events of edits.
 fn kinds(edits: &[Edit], keys: &TextKeys, held: &PressedKeys) -> Option<Kinds> {
     let mut kinds = Kinds::new();

@@ -1,6 +1,7 @@
 //! The text decoder as a filter of the presses on a layout, with a language by its name.
 
 mod burst;
+mod candidates;
 mod keys;
 mod learned;
 mod step;

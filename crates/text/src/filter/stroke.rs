@@ -43,7 +43,7 @@ pub(super) struct Stroke {
     last: Millimetres,
     /// The points of the path until the finger was last behind the fronts.
     pressed_points: usize,
-    start: Timestamp,
+    pub(super) start: Timestamp,
     seen: Timestamp,
     above_since: Option<Timestamp>,
     /// `true` if it has gone too far to be a tap.

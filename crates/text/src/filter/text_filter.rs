@@ -9,6 +9,7 @@ use crate::{Corrector, Edit, Tap};
 use arrayvec::ArrayVec;
 
 use super::burst;
+use super::candidates::candidate_text;
 use super::decoder_mode;
 use super::keys::TextKeys;
 use super::step::Step;
@@ -17,7 +18,7 @@ use ademan_core::command::TextMode;
 use ademan_core::device::pressed_keys::PressedKeys;
 use ademan_core::device::{EventKind, Events, KeyCode, OutputEvent};
 use ademan_core::hand::Side;
-use ademan_core::pipeline::press_filter::{CandidateText, FilterInput};
+use ademan_core::pipeline::press_filter::FilterInput;
 use ademan_core::pipeline::{PressFilter, TextState};
 use ademan_core::time::Timestamp;
 
@@ -49,6 +50,8 @@ pub(super) struct TextFilter {
     evidence: ArrayVec<Evidence, 10>,
     /// The last letter that was pressed, until its finger is lifted.
     stroke: Option<Stroke>,
+    /// The start of a stroke with whose end the text is no longer known, because the other hand is lost.
+    known_until: Option<Timestamp>,
     /// The number of the candidate that is taken in the next step of a hand that may type.
     choice: Option<u8>,
     /// The time of the last key.
@@ -79,6 +82,7 @@ impl TextFilter {
             },
             evidence: ArrayVec::new(),
             stroke: None,
+            known_until: None,
             choice: None,
             last_key: Timestamp::default(),
             backspace_since: None,
@@ -127,6 +131,17 @@ impl TextFilter {
             self.stroke = None;
         }
         progress == Progress::Lifted
+    }
+
+    /// Forgets the text if the stroke has ended with whose end it is no longer known.
+    fn forget_behind_stroke(&mut self) {
+        let Some(start) = self.known_until else {
+            return;
+        };
+        let stroke = self.stroke.as_ref();
+        if stroke.is_none_or(|stroke| stroke.start != start) {
+            self.reset();
+        }
     }
 
     /// Replaces the letter of a swipe by its word.
@@ -315,13 +330,7 @@ impl TextFilter {
             return;
         }
         for candidate in self.corrector.candidates() {
-            let text = last_word(&self.shown, &candidate.text);
-            let mut short = CandidateText::new();
-            for character in text.chars() {
-                if short.try_push(character).is_err() {
-                    break;
-                }
-            }
+            let short = candidate_text(&self.shown, &candidate.text);
             let _ = self.state.candidates.try_push(short);
         }
     }
@@ -366,7 +375,7 @@ impl PressFilter for TextFilter {
                     EventKind::KeyDown(_) | EventKind::Character(_) if was_swiping => {
                         step.swallow(event);
                     }
-                    EventKind::KeyDown(_) if replaces_letter(&given[index..]) => {
+                    EventKind::KeyDown(_) if burst::replaces_letter(&given[index..]) => {
                         self.leave();
                         step.push(event);
                     }
@@ -400,6 +409,7 @@ impl PressFilter for TextFilter {
             self.tapped = step.tapped;
             *events = step.events;
         }
+        self.forget_behind_stroke();
         if std::mem::take(&mut self.is_changed) {
             self.update_candidates();
         }
@@ -409,10 +419,21 @@ impl PressFilter for TextFilter {
         self.corrector.reset();
         self.evidence.clear();
         self.stroke = None;
+        self.known_until = None;
         self.choice = None;
         self.is_spaced = false;
         self.backspace_since = None;
         self.state.candidates.clear();
+    }
+
+    fn lose_hand(&mut self, side: Side) {
+        match self.stroke.as_ref().filter(|stroke| stroke.side != side) {
+            Some(stroke) => {
+                self.known_until = Some(stroke.start);
+                self.choice = None;
+            }
+            None => self.reset(),
+        }
     }
 
     fn set_mode(&mut self, mode: TextMode) {
@@ -473,26 +494,4 @@ impl PressFilter for TextFilter {
     fn text_state(&self) -> Option<&TextState> {
         Some(&self.state)
     }
-}
-
-/// Returns `true` if events begin with the Backspace of a multitap key, which has its release and a letter right behind it. It deletes
-/// that letter and undoes no correction.
-fn replaces_letter(events: &[OutputEvent]) -> bool {
-    let [press, release, letter, ..] = events else {
-        return false;
-    };
-    press.kind == EventKind::KeyDown(KeyCode::BACKSPACE)
-        && release.kind == EventKind::KeyUp(KeyCode::BACKSPACE)
-        && matches!(letter.kind, EventKind::KeyDown(_) | EventKind::Character(_))
-        && [release.time, letter.time] == [press.time; 2]
-}
-
-/// Returns the end of a candidate from the last word of the shown text, or from the first word in which both differ.
-fn last_word<'a>(shown: &str, candidate: &'a str) -> &'a str {
-    let last = shown.trim_end().rfind(' ').map_or(0, |space| space + 1);
-    let pairs = shown.chars().zip(candidate.char_indices());
-    let same = pairs.take_while(|&(left, (index, right))| left == right && index < last);
-    let spaces = same.filter(|(left, _)| *left == ' ');
-    let start = spaces.last().map_or(0, |(_, (index, _))| index + 1);
-    candidate[start..].trim_end()
 }
