@@ -30,6 +30,11 @@ fn an_error_of_a_slider_has_its_position() {
             slider("steps: 0"),
             "out of range: a number of steps is 1 to 1000",
         ),
+        (slider("steps: 2.5"), "2.5 is not a whole number"),
+        (
+            slider("output: Taps(increase: Key(\"A\"), decrease: Key(\"B\"), steps: 3.5)"),
+            "3.5 is not a whole number",
+        ),
         (slider("initial: 1.5"), "out of range: a fraction is 0 to 1"),
         (slider("initial: NaN"), "out of range: a fraction is 0 to 1"),
         (

@@ -2,10 +2,10 @@
 
 /// Declares newtypes over `f64` that deserialise only within a range, some with a default.
 ///
-/// `Name = "a noun", MIN ..= MAX, "unit", or DEFAULT;`
+/// `Name = "a noun", MIN ..= MAX, "unit", or DEFAULT;` or, for numbers without a fraction, `Name = "a noun", whole MIN ..= …`.
 macro_rules! ranged_numbers {
     ($($(#[$meta:meta])*
-       $name:ident = $noun:literal, $min:literal ..= $max:literal, $unit:literal $(, or $default:literal)?;)+) => {$(
+       $name:ident = $noun:literal, $($whole:ident)? $min:literal ..= $max:literal, $unit:literal $(, or $default:literal)?;)+) => {$(
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
         pub struct $name(f64);
@@ -13,6 +13,12 @@ macro_rules! ranged_numbers {
         impl $name {
             /// The valid values.
             pub const RANGE: std::ops::RangeInclusive<f64> = $min..=$max;
+
+            /// `true` if a fraction is refused.
+            const IS_WHOLE: bool = {
+                let words: &[&str] = &[$(stringify!($whole))?];
+                words.len() == 1
+            };
 
             /// Returns the value in the unit of the file.
             pub const fn get(self) -> f64 {
@@ -35,6 +41,7 @@ macro_rules! ranged_numbers {
                     min: $min,
                     max: $max,
                     unit: $unit,
+                    is_whole: Self::IS_WHOLE,
                     default: default.first().copied(),
                 }
             }
@@ -49,6 +56,10 @@ macro_rules! ranged_numbers {
             fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 let value = <f64 as serde::Deserialize>::deserialize(deserializer)?;
                 if Self::RANGE.contains(&value) {
+                    if Self::IS_WHOLE && value.fract() != 0.0 {
+                        let message = format!("{value} is not a whole number");
+                        return Err(serde::de::Error::custom(message));
+                    }
                     return Ok(Self(value));
                 }
                 Err(serde::de::Error::custom(format!(

@@ -35,6 +35,8 @@ pub enum FieldType {
         min: f64,
         /// Largest value.
         max: f64,
+        /// `true` if it has no fraction.
+        is_whole: bool,
     },
     /// `true` or `false`; the default is `false`.
     Bool,
@@ -166,7 +168,13 @@ fn field(row: &'static Row, path: &str) -> Option<FieldSpec> {
     let name = format!("{path}{}", name.trim_end_matches(')'));
     let (field_type, unit) = match row.shapes.first()? {
         Shape::Bool => (FieldType::Bool, ""),
-        &Shape::Number { min, max, unit, .. } => (FieldType::Number { min, max }, unit),
+        &Shape::Number {
+            min,
+            max,
+            unit,
+            is_whole,
+            ..
+        } => (FieldType::Number { min, max, is_whole }, unit),
         Shape::Text { .. } => (FieldType::Text, ""),
         Shape::Words(words) => {
             let words = words.iter().map(|(word, _)| word.as_str());
@@ -275,6 +283,7 @@ mod tests {
         let number = FieldType::Number {
             min: 1.0,
             max: 500.0,
+            is_whole: false,
         };
         assert_eq!(
             (pitch.field_type, pitch.unit, pitch.default),

@@ -79,11 +79,6 @@ impl<'a> SignalSchema<'a> {
             (Some(note), None) => Some((note.get(), MidiKind::Note as fn(u8) -> _)),
             (None, Some(control)) => Some((control.get(), MidiKind::Control as fn(u8) -> _)),
         };
-        let numbers = midi.map(|(number, _)| number).into_iter();
-        let mut numbers = numbers.chain([self.channel.get()]);
-        if let Some(number) = numbers.find(|number| number.fract() != 0.0) {
-            return error(format!("{number} is not a whole number"));
-        }
         let (low, high) = self
             .range
             .map_or((0.0, 1.0), |(low, high)| (low.get(), high.get()));

@@ -149,9 +149,15 @@ fn schema_of(shape: &Shape) -> Value {
         Shape::Integer { min, max } => {
             json!({ "type": "integer", "minimum": min, "maximum": max })
         }
-        Shape::Number { min, max, unit, .. } => {
+        Shape::Number {
+            min,
+            max,
+            unit,
+            is_whole,
+            ..
+        } => {
             let mut schema = json!({
-                "type": "number",
+                "type": if *is_whole { "integer" } else { "number" },
                 "minimum": number_value(*min),
                 "maximum": number_value(*max),
             });

@@ -13,6 +13,8 @@ pub enum Shape {
         max: f64,
         /// Unit as it is written after a number, with its blank, such as ` mm`; empty for a pure number.
         unit: &'static str,
+        /// `true` if it has no fraction.
+        is_whole: bool,
         /// Value of a field that is left out, if the type has one.
         default: Option<f64>,
     },

@@ -74,7 +74,7 @@ fn show_value(
     let default = panel.editor.default_of(parts[0], field);
     let shown = written.unwrap_or(&default);
     match field.field_type {
-        FieldType::Number { min, max } => {
+        FieldType::Number { min, max, is_whole } => {
             let old = number_in(shown);
             let hint = match old {
                 _ if is_mixed => Some(text("editor-mixed").to_owned()),
@@ -88,7 +88,7 @@ fn show_value(
                 hint,
                 range: min..=max,
                 speed: ((max - min) / 500.0).clamp(0.005, 1.0),
-                decimals: DECIMALS,
+                decimals: if is_whole { 0 } else { DECIMALS },
                 unit: field.unit,
             };
             number_cell(ui, panel, parts, &number, |parts, number| Edit::SetField {

@@ -88,7 +88,7 @@ fn small_button(ui: &mut egui::Ui, sign: &str, name: &str) -> bool {
 /// Returns a step of a kind with a value that is valid.
 fn new_step(kind: &FieldSpec) -> String {
     let value = match kind.field_type {
-        FieldType::Number { min, max } => NEW_NUMBER.clamp(min, max).to_string(),
+        FieldType::Number { min, max, .. } => NEW_NUMBER.clamp(min, max).to_string(),
         _ => quoted(NEW_VALUE),
     };
     format!("{}({value})", kind.name)
