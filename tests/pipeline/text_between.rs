@@ -4,6 +4,7 @@
 use ademan::capture::Hc11Format;
 use ademan::command::{Command, CommandOrigin, TextMode};
 use ademan::device::Events;
+use ademan::document::Document;
 use ademan::setup::{LoadedSetup, ProfileSetup, Setup};
 use ademan::text::{TextModeSchema, TextSetup};
 use ademan::time::Timestamp;
@@ -11,6 +12,7 @@ use ademan::time::Timestamp;
 use super::swipes::Hiding;
 use super::text::play;
 use crate::support::checked::CheckedPipeline;
+use crate::support::wearer::load_layout;
 
 fn load(mode: TextModeSchema) -> LoadedSetup {
     let setup = Setup {
@@ -201,6 +203,35 @@ fn a_layout_that_is_replaced_hands_over_half_a_word_and_what_was_learned() {
     let presses = alone.events.matches("KeyDown").count();
     let again = format!("{restored}; wait 1500; {WORD}");
     assert_eq!(performs(&setup, &again, presses, replace), "teh a teh ");
+}
+
+#[test]
+fn a_layout_file_that_states_another_mode_sets_it_and_a_mode_that_was_chosen_is_kept_otherwise() {
+    let shipped = Document::shipped("qwerty-flat").expect("a shipped layout");
+    let with_mode = |mode: &str| {
+        let first = format!("Layout(text: {mode}, ");
+        shipped.text.replacen("Layout(", &first, 1)
+    };
+    let setup = Setup {
+        text: Some(TextSetup::default()),
+        ..Setup::default()
+    };
+    let loaded = load_layout(&with_mode("Literal"), setup);
+    let mut pipeline = CheckedPipeline::new(&loaded);
+    let reload = |pipeline: &mut CheckedPipeline, mode: &str| {
+        let layout = loaded.layout.with_text(&with_mode(mode));
+        let layout = layout.expect("a valid layout");
+        let mut instance = loaded.layout_instance(&layout).expect("a layout");
+        pipeline.replace_profile(0, &mut instance, &layout, &mut Events::new());
+        pipeline.text_state().expect("a decoder").mode
+    };
+    let chosen = Command::Text {
+        mode: TextMode::Suggest,
+    };
+    let outcome = pipeline.execute(&chosen, CommandOrigin::Client, &mut Events::new());
+    assert_eq!(outcome, Ok(()));
+    assert_eq!(reload(&mut pipeline, "Literal"), TextMode::Suggest);
+    assert_eq!(reload(&mut pipeline, "Auto"), TextMode::Auto);
 }
 
 #[test]

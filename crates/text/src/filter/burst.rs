@@ -68,6 +68,17 @@ pub(super) fn replaces_letter(events: &[OutputEvent]) -> bool {
         && [release.time, letter.time] == [press.time; 2]
 }
 
+/// Returns `true` if the character at an index belongs to a longer text of one key, whose characters have one time.
+pub(super) fn is_part_of_text(events: &[OutputEvent], index: usize) -> bool {
+    let is_same = |other: Option<&OutputEvent>| {
+        other.is_some_and(|other| {
+            matches!(other.kind, EventKind::Character(_)) && other.time == events[index].time
+        })
+    };
+    let before = index.checked_sub(1).and_then(|before| events.get(before));
+    is_same(before) || is_same(events.get(index + 1))
+}
+
 /// Returns the events of edits.
 fn kinds(edits: &[Edit], keys: &TextKeys, held: &PressedKeys) -> Option<Kinds> {
     let mut kinds = Kinds::new();

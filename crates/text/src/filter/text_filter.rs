@@ -46,6 +46,8 @@ struct Evidence {
 pub(super) struct TextFilter {
     corrector: Corrector<'static>,
     keys: TextKeys,
+    /// The mode in which the decoder starts on its layout.
+    first_mode: TextMode,
     state: TextState,
     evidence: ArrayVec<Evidence, 10>,
     /// The last letter that was pressed, until its finger is lifted.
@@ -76,6 +78,7 @@ impl TextFilter {
         Self {
             corrector,
             keys,
+            first_mode: mode,
             state: TextState {
                 mode,
                 candidates: ArrayVec::new(),
@@ -383,15 +386,7 @@ impl PressFilter for TextFilter {
                     EventKind::Character(character) => {
                         self.last_key = event.time;
                         self.is_spaced = false;
-                        let is_same = |other: Option<&OutputEvent>| {
-                            other.is_some_and(|other| {
-                                matches!(other.kind, EventKind::Character(_))
-                                    && other.time == event.time
-                            })
-                        };
-                        let before = index.checked_sub(1).and_then(|index| given.get(index));
-                        if is_same(before) || is_same(given.get(index + 1)) {
-                            // A longer text of one key.
+                        if burst::is_part_of_text(&given, index) {
                             self.leave();
                             step.push(event);
                         } else {
@@ -466,7 +461,13 @@ impl PressFilter for TextFilter {
     fn take_over(&mut self, before: &dyn PressFilter) {
         let before = before.as_any().and_then(<dyn Any>::downcast_ref::<Self>);
         let Some(before) = before else { return };
-        self.set_mode(before.state.mode);
+        // A file that now states another mode sets it, as at the start.
+        let is_kept = before.first_mode == self.first_mode;
+        self.set_mode(if is_kept {
+            before.state.mode
+        } else {
+            self.first_mode
+        });
         self.corrector.take_over(&before.corrector);
         self.set_inside_word(before.is_inside_word().unwrap_or_default());
     }
