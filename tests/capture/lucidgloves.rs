@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::net::{TcpListener, UdpSocket};
+use std::time::Duration;
 
 use ademan::capture::protocol::StreamFormat;
 use ademan::capture::protocol::lucidgloves::{FULL_SCALE, Fields, PROTOCOL};
@@ -10,6 +11,8 @@ use ademan::capture::{Sample, SourceEvent, open, open_loopback};
 use crate::serial::log;
 use crate::support::free_address::free_address;
 use crate::support::lucidgloves::chords;
+use crate::support::run::accept;
+use crate::support::source::next_within;
 use crate::text_line::{samples, uri};
 
 /// Returns lines of a moving hand and their samples.
@@ -48,6 +51,26 @@ fn a_legacy_line_that_began_before_its_serial_port_was_opened_is_dropped() {
     let whole = Fields::parse(format!("1095{rest}").as_bytes()).expect("a packet");
     let expected = Sample::Channels(whole.channels(FULL_SCALE));
     assert_eq!(samples(&mut *source, 1), [expected]);
+}
+
+#[test]
+fn a_legacy_line_that_began_before_the_connection_to_a_tcp_bridge_is_dropped() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let address = listener.local_addr().expect("its address");
+    let mut source = open(&uri(&format!("tcp:{address}?protocol=lucidgloves"))).unwrap();
+    let rest = "&1000&1000&1000&1000&2047&2047&0&0&0&0&0&0";
+    let whole = Fields::parse(format!("1095{rest}").as_bytes()).expect("a packet");
+    let expected = Sample::Channels(whole.channels(FULL_SCALE));
+    // Also after the connection was lost and opened again.
+    for _ in 0..2 {
+        let mut peer = accept(&listener);
+        let stream = format!("95{rest}\n1095{rest}\n");
+        peer.write_all(stream.as_bytes()).unwrap();
+        assert_eq!(samples(&mut *source, 1), [expected.clone()]);
+        drop(peer);
+        let lost = next_within(&mut *source, Duration::from_secs(60)).unwrap_err();
+        assert!(lost.is_recoverable(), "{lost}");
+    }
 }
 
 #[test]

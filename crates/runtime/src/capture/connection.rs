@@ -45,14 +45,21 @@ pub(super) trait Connector: Clone + Send + 'static {
     /// Longest silence after the first connection before a warning. `None` for no warning.
     const FIRST_BYTE_TIMEOUT: Option<Duration> = None;
 
+    /// The device may send before the connection is open, so the stream may begin within a packet.
+    const STARTS_ANYWHERE: bool = false;
+
     /// Returns the headsets that are connected, if it waits for headsets.
     fn headsets(&self) -> Option<HeadsetList> {
         None
     }
 
-    /// Creates the decoder of its bytes. The default is for streams that begin with a packet.
+    /// Creates the decoder of its bytes.
     fn decoder(format: &StreamFormat) -> Box<dyn Decoder> {
-        format.decoder()
+        let mut decoder = format.decoder();
+        if Self::STARTS_ANYWHERE {
+            decoder.start_anywhere();
+        }
+        decoder
     }
 
     /// Opens the connection. Its reads block for [`READ_TIMEOUT`] at most; with a [`Readiness`] they do not block.

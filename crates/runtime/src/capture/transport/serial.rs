@@ -17,7 +17,6 @@ use crate::capture::connection::{
     ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, WRITE_TIMEOUT, is_idle,
 };
 use crate::capture::poll::Readiness;
-use crate::capture::protocol::{Decoder, StreamFormat};
 use ademan_core::message::escape;
 
 /// The `serial` transport.
@@ -69,14 +68,8 @@ impl SerialConnector {
 impl Connector for SerialConnector {
     const IS_LIVE: bool = true;
     const RECONNECTS: bool = true;
+    const STARTS_ANYWHERE: bool = true;
     const FIRST_BYTE_TIMEOUT: Option<Duration> = Some(Duration::from_secs(5));
-
-    fn decoder(format: &StreamFormat) -> Box<dyn Decoder> {
-        let mut decoder = format.decoder();
-        // The device may send while the port is opened.
-        decoder.start_anywhere();
-        decoder
-    }
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {
         let present = present_ports();

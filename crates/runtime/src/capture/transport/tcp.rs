@@ -53,6 +53,9 @@ impl Connector for TcpConnector {
     const IS_LIVE: bool = true;
     const RECONNECTS: bool = true;
 
+    /// A converter passes on what its device sends at the moment.
+    const STARTS_ANYWHERE: bool = true;
+
     /// A peer whose power was cut never closes its end; a running glove is never silent for 5 s.
     const IDLE_TIMEOUT: Option<Duration> = Some(Duration::from_secs(5));
 
