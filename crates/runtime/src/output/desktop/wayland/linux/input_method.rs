@@ -124,6 +124,9 @@ impl InputMethod {
 
     /// Writes text to the focused field. Returns `false` if the field is another one by now.
     pub fn compose(&self, composing: &Composing) -> Result<bool, String> {
+        // Before the field, which changes first: the number of a later field never comes with the text for this one. With the number of an
+        // earlier state, the compositor knows that the text was meant for that one.
+        let serial = self.shared.done.load(Ordering::Acquire);
         if composing.field != self.shared.field.get().generation {
             return Ok(false);
         }
@@ -135,7 +138,7 @@ impl InputMethod {
             let end = text.len() as i32;
             self.method.set_preedit_string(text, end, end);
         }
-        self.method.commit(self.shared.done.load(Ordering::Acquire));
+        self.method.commit(serial);
         let flushed = self.connection.flush();
         flushed.map_err(|error| {
             format!("the connection to the compositor for text failed: {error}")
@@ -219,7 +222,6 @@ impl Reader {
 
     /// Applies the pending state.
     fn apply(&mut self) {
-        self.shared.done.fetch_add(1, Ordering::AcqRel);
         let is_entered = std::mem::take(&mut self.is_entered);
         let place = std::mem::take(&mut self.pending_place);
         self.shared.field.place.set(if self.pending.wants_capitals {
@@ -231,6 +233,8 @@ impl Reader {
             self.current = self.pending;
             self.report();
         }
+        // Last, see `InputMethod::compose`.
+        self.shared.done.fetch_add(1, Ordering::AcqRel);
     }
 
     /// Tells the loop that the field and its text are others.
