@@ -11,6 +11,8 @@ use ademan::layout::Layout;
 use ademan::pipeline::{CommandError, Pipeline, PipelineState, SourceRole, Suppressed};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
 
+use crate::support::wearer::load_layout;
+
 fn load(setup: Setup) -> LoadedSetup {
     setup.load_files().expect("a valid setup")
 }
@@ -49,6 +51,31 @@ fn presses_beyond_the_rate_limit_release_everything_and_pause() {
     assert_eq!(pipeline.state(), PipelineState::Paused);
     assert!(pipeline.is_paused());
     assert_eq!(pipeline.suppressed().rate_limited, 1);
+}
+
+#[test]
+fn a_quick_sweep_over_a_slider_with_many_taps_stays_within_the_rate_limit() {
+    let layout = r#"Layout(name: "t", boards: [(
+        pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45),
+        sliders: [(name: "S", at_mm: (0, 0), length_mm: 100, width_mm: 20, initial: 0, grab: Relative,
+            output: Taps(increase: Key("A"), decrease: Key("B"), steps: 400))],
+    )])"#;
+    for max_presses_per_second in [None, Some(20)] {
+        let setup = Setup {
+            max_presses_per_second,
+            ..Setup::default()
+        };
+        let setup = load_layout(layout, setup);
+        let sweep = "press S -40 0; slide 80 0; lift; wait 3000";
+        let hand = setup.scripted(sweep, &Hc11Format::default(), 0.0, 0);
+        let mut pipeline = setup.pipeline();
+        let keys = play(hand.expect("a script"), &mut pipeline);
+        assert_eq!(pipeline.state(), PipelineState::Running);
+        assert_eq!(pipeline.suppressed(), Suppressed::default());
+        let taps = keys.iter().filter(|key| *key == "A").count();
+        assert!((20..100).contains(&taps), "{keys:?}");
+        assert_eq!(keys.len(), 2 * taps, "{keys:?}");
+    }
 }
 
 #[test]

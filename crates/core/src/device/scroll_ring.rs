@@ -8,9 +8,10 @@ use super::grips::Grips;
 use super::pending_returns::PendingReturns;
 use super::steps::snap;
 use super::target_index::TargetIndex;
-use super::value_output::{ValueEmitter, ValueOutput};
+use super::value_output::{ValueEmitter, ValueOutput, catch_up, drop_waiting};
 use super::{Capabilities, DeviceInput, DeviceOutput, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
+use crate::hand::Side;
 use crate::time::Timestamp;
 
 /// A scroll ring. Its value is a fraction of a turn, clockwise as seen from the front, and wraps around.
@@ -145,10 +146,15 @@ impl VirtualDevice for ScrollRings {
                 }
             }
         }
+        catch_up(&mut self.rings, input.pose.time, out);
     }
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.grips.clear();
         self.pending_returns.start_all(&mut self.rings, time, out);
+    }
+
+    fn release_hand(&mut self, side: Side, _: Timestamp, _: &mut DeviceOutput) {
+        drop_waiting(&mut self.rings, side);
     }
 }

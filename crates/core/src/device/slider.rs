@@ -4,9 +4,10 @@ use super::grips::Grips;
 use super::pending_returns::PendingReturns;
 use super::steps::{nearest_step, snap};
 use super::target_index::TargetIndex;
-use super::value_output::{ValueEmitter, ValueOutput};
+use super::value_output::{ValueEmitter, ValueOutput, catch_up, drop_waiting};
 use super::{Capabilities, DeviceInput, DeviceOutput, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
+use crate::hand::Side;
 use crate::time::Timestamp;
 
 /// A slider or a lever.
@@ -164,11 +165,16 @@ impl VirtualDevice for Sliders {
                 Phase::Released | Phase::Left | Phase::Cancelled => self.release(touch, out),
             }
         }
+        catch_up(&mut self.sliders, input.pose.time, out);
     }
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.grips.clear();
         self.pending_returns.start_all(&mut self.sliders, time, out);
+    }
+
+    fn release_hand(&mut self, side: Side, _: Timestamp, _: &mut DeviceOutput) {
+        drop_waiting(&mut self.sliders, side);
     }
 }
 

@@ -4,7 +4,11 @@ use super::{
     Axis, Capabilities, Capability, DETENT, DeviceOutput, EventKind, KeyAction, PressSource,
 };
 use crate::contact::TargetId;
+use crate::hand::Side;
 use crate::time::Timestamp;
+
+/// The most taps of a control that wait for the pace. Further ones would come long after the finger has stopped.
+const MAX_WAITING_TAPS: i32 = 15;
 
 /// The events for a value of 0..=1 in addition to [`EventKind::Value`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +26,7 @@ pub enum ValueOutput {
     MoveX(f32),
     /// The pointer: pixels up over the whole range; negative for down.
     MoveY(f32),
-    /// One tap per step of the range.
+    /// One tap per step of the range, at the pace of the arbiter.
     Taps {
         /// Tapped at each step up.
         increase: KeyAction,
@@ -70,6 +74,8 @@ pub(super) struct ValueEmitter {
     rest: Option<f32>,
     /// Whole units, pixels or steps emitted so far.
     emitted: i32,
+    /// The hand whose steps emit the taps that wait for the pace.
+    waits_for: Option<Side>,
     /// The axis value that was emitted last; 0 before the first one.
     axis: f32,
     /// `true` if an axis from −1 to 1 is 0 for the value 0.
@@ -86,6 +92,7 @@ impl ValueEmitter {
             value,
             rest: None,
             emitted: 0,
+            waits_for: None,
             axis: 0.0,
             is_one_sided: false,
         };
@@ -166,6 +173,7 @@ impl ValueEmitter {
     pub(super) fn restart_at(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) {
         self.emit_value(value, time, out);
         self.emitted = self.units(value);
+        self.waits_for = None;
         self.return_to_rest(time, out);
     }
 
@@ -176,11 +184,26 @@ impl ValueEmitter {
         if let ValueOutput::Axis(axis) = self.output {
             self.emit_axis(axis, 0.0, time, out);
         }
+        self.drop_waiting();
         let value = self.rest.unwrap_or(self.value);
         if self.emit_value(value, time, out) {
             self.emitted = self.units(value);
         }
         self.axis == 0.0 && self.value == value
+    }
+
+    /// Emits taps that wait for the pace, in a step of their hand.
+    fn catch_up(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+        if self.waits_for == Some(out.arbiter.step_side()) {
+            self.emit_output(self.value, time, out);
+        }
+    }
+
+    /// Drops the taps that wait for the pace.
+    fn drop_waiting(&mut self) {
+        if self.waits_for.take().is_some() {
+            self.emitted = self.units(self.value);
+        }
     }
 
     /// Emits the value if it has changed. Returns `true` if it was emitted.
@@ -235,9 +258,20 @@ impl ValueEmitter {
         time: Timestamp,
         out: &mut DeviceOutput,
     ) {
+        let side = out.arbiter.step_side();
+        if self.waits_for.take_if(|by| *by == side).is_none() && self.waits_for.is_some() {
+            // The other hand may not be allowed to tap.
+            return;
+        }
         let source = PressSource::Part(self.target, 0);
         let action = if due > 0 { increase } else { decrease };
-        for _ in 0..due.abs() {
+        let is_command = matches!(action, KeyAction::Command(_));
+        for left in (1..=due.abs()).rev() {
+            if !is_command && !out.arbiter.may_tap(time) {
+                self.waits_for = Some(side);
+                self.emitted += due.signum() * (left - MAX_WAITING_TAPS).max(0);
+                return;
+            }
             if !out.tap(source, action, time) {
                 return;
             }
@@ -255,5 +289,25 @@ impl ValueEmitter {
             ValueOutput::Taps { steps, .. } => f32::from(steps),
         };
         (value * range).round() as i32
+    }
+}
+
+/// Emits taps that wait for the pace, in a step of their hand; each control is paired with its emitter.
+pub(super) fn catch_up<T>(
+    controls: &mut [(T, ValueEmitter)],
+    time: Timestamp,
+    out: &mut DeviceOutput,
+) {
+    for (_, emitter) in controls {
+        emitter.catch_up(time, out);
+    }
+}
+
+/// Drops the taps that wait for the pace in steps of a hand that is lost; each control is paired with its emitter.
+pub(super) fn drop_waiting<T>(controls: &mut [(T, ValueEmitter)], side: Side) {
+    for (_, emitter) in controls {
+        if emitter.waits_for == Some(side) {
+            emitter.drop_waiting();
+        }
     }
 }

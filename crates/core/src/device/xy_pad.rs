@@ -6,9 +6,10 @@ use super::grips::Grips;
 use super::pending_returns::PendingReturns;
 use super::steps::{nearest_step, snap};
 use super::target_index::TargetIndex;
-use super::value_output::{NamedValue, ValueEmitter, ValueOutput};
+use super::value_output::{NamedValue, ValueEmitter, ValueOutput, catch_up, drop_waiting};
 use super::{Capabilities, DeviceInput, DeviceOutput, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
+use crate::hand::Side;
 use crate::time::Timestamp;
 
 /// An XY pad. Its values are 0 at the left and at the near edge, and 1 at the opposite edges.
@@ -144,10 +145,15 @@ impl VirtualDevice for XyPads {
                 Phase::Released | Phase::Left | Phase::Cancelled => self.release(touch, out),
             }
         }
+        catch_up(&mut self.values, input.pose.time, out);
     }
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.grips.clear();
         self.pending_returns.start_all(&mut self.values, time, out);
+    }
+
+    fn release_hand(&mut self, side: Side, _: Timestamp, _: &mut DeviceOutput) {
+        drop_waiting(&mut self.values, side);
     }
 }

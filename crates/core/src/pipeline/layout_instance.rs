@@ -309,6 +309,7 @@ impl LayoutInstance {
         let side = step.pose.side;
         self.key_arbiter.begin_step(side, rules.pointer_only);
         self.key_arbiter.set_paused(rules.is_paused);
+        self.key_arbiter.set_tap_gap(rules.sequence_gap);
         let finds_letters = self.filter().is_some_and(PressFilter::finds_letters);
         self.key_arbiter.set_first_letters_only(finds_letters);
         let input = DeviceInput {

@@ -21,6 +21,7 @@ use self::one_shots::OneShots;
 use self::sequence::RunningSequence;
 use self::step_hand::StepHand;
 use super::pressed_keys::PressedKeys;
+use super::tap_pace::TapPace;
 use super::{EventKind, Events, KeyCode, OutputEvent};
 use crate::contact::{TargetId, Touch};
 use crate::hand::{Finger, Side};
@@ -62,6 +63,7 @@ pub struct KeyArbiter {
     /// The time of the last event; times never decrease.
     time: Timestamp,
     hand: StepHand,
+    tap_pace: TapPace,
 }
 
 /// The source of a press.

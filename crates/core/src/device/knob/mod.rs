@@ -11,7 +11,7 @@ use super::grips::Grips;
 use super::pending_returns::PendingReturns;
 use super::steps::{nearest_step, snap};
 use super::target_index::TargetIndex;
-use super::value_output::{ValueEmitter, ValueOutput};
+use super::value_output::{ValueEmitter, ValueOutput, catch_up, drop_waiting};
 use super::{Capabilities, DeviceInput, DeviceOutput, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::hand::Side;
@@ -271,11 +271,16 @@ impl VirtualDevice for Knobs {
             }
         }
         self.update_pinch(input, out);
+        catch_up(&mut self.knobs, input.pose.time, out);
     }
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.rim_grips.clear();
         self.pinches = [PinchState::default(); Side::COUNT];
         self.pending_returns.start_all(&mut self.knobs, time, out);
+    }
+
+    fn release_hand(&mut self, side: Side, _: Timestamp, _: &mut DeviceOutput) {
+        drop_waiting(&mut self.knobs, side);
     }
 }
