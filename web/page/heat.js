@@ -28,7 +28,7 @@ function start() {
   worker = new Worker("scoring.js", { type: "module" });
   // A message of a worker that was ended may still wait.
   worker.addEventListener("message", ({ data, target }) => target === worker && receive(data));
-  worker.addEventListener("error", (event) => end(`the score cannot be computed: ${event.message}`));
+  worker.addEventListener("error", (event) => end(`the score cannot be computed: ${event.message || "its files cannot be loaded"}`));
   worker.postMessage({ people: PEOPLE, layout: layoutText() });
   element("score-start").textContent = "Stop";
   element("score-progress").hidden = false;

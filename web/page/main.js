@@ -10,6 +10,7 @@ import { followPointer } from "./pointing.js";
 import { onChange, planPicture, showPlan, showPressed } from "./plan.js";
 import { session } from "./session.js";
 import { loadStages } from "./stages.js";
+import { useNewest } from "./update.js";
 import { redraw, show, view } from "./view.js";
 import { isRunning, prepareWebcam, showHolding } from "./webcam.js";
 
@@ -17,6 +18,7 @@ const FIRST_LAYOUT = "qwerty-flat";
 const MAX_EVENTS = 12;
 
 const element = (id) => document.getElementById(id);
+await useNewest();
 const stages = await loadStages().catch((error) => {
   element("state").textContent = `not loaded: ${error.message}`;
   throw error;
@@ -91,9 +93,19 @@ onChange((targets, edit) => {
 
 // ---- The hands.
 
+/** What was said last, and that there is a newer version of the page. */
+let [said, newer] = ["", ""];
+
 const notify = (text) => {
-  element("notice").textContent = text;
+  said = text;
+  element("notice").textContent = [said, newer].filter(Boolean).join("; ");
 };
+
+// A file of the newer version is needed: see `offline.js`.
+navigator.serviceWorker?.addEventListener("message", ({ data }) => {
+  newer = data;
+  notify(said);
+});
 
 const sayFaults = (faults) => {
   notify(faults.map((it) => (it.line ? `line ${it.line}, column ${it.column}: ${it.message}` : it.message)).join("; "));

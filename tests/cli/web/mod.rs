@@ -10,6 +10,7 @@ mod links;
 mod page;
 mod score;
 mod slow_clients;
+mod update;
 mod webcam;
 mod words;
 
@@ -34,8 +35,13 @@ fn folder() -> Option<PathBuf> {
 
 /// Serves the page. Returns the server, and the address of the page.
 fn serve(folder: &Path) -> (Process, String) {
+    serve_at(folder, "0")
+}
+
+/// Serves the page at a port; at any free one for 0.
+fn serve_at(folder: &Path, port: &str) -> (Process, String) {
     let folder = crate::text(folder);
-    let mut command = ademan(["serve", "--port", "0", "--dir", folder]);
+    let mut command = ademan(["serve", "--port", port, "--dir", folder]);
     command.stderr(Stdio::piped());
     let mut process = Process::start(&mut command).expect("the program starts");
     let stderr = BufReader::new(process.0.stderr.take().expect("it is piped"));
