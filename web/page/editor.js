@@ -49,21 +49,25 @@ export function onEdit(changed) {
 
 /** Shows faults: `line` and `column` from 1 or null, `width` in characters. */
 export function setFaults(newFaults) {
+  const isSame = JSON.stringify(newFaults) === JSON.stringify(faults);
   faults = newFaults;
-  list.replaceChildren(...faults.map((fault) => {
-    const item = document.createElement("li");
-    if (fault.line) {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.textContent = `line ${fault.line}, column ${fault.column}`;
-      button.addEventListener("click", () => select(fault));
-      item.append(button);
-    }
-    item.append(fault.message);
-    return item;
-  }));
+  // A screen reader would read the same faults again after each letter.
+  if (!isSame) list.replaceChildren(...faults.map(itemOf));
   editor.setAttribute("aria-invalid", String(faults.length > 0));
   draw();
+}
+
+function itemOf(fault) {
+  const item = document.createElement("li");
+  if (fault.line) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = `line ${fault.line}, column ${fault.column}`;
+    button.addEventListener("click", () => select(fault));
+    item.append(button);
+  }
+  item.append(fault.message);
+  return item;
 }
 
 /** Returns the index in the text of a line and a column in characters, not in UTF-16 units. */

@@ -50,6 +50,7 @@ export function clearScore() {
   shown = null;
   element("score-text").textContent = "";
   element("score-keys").replaceChildren();
+  if (document.activeElement === element("score-clear")) element("score-start").focus();
   element("score-clear").hidden = true;
   drawHeat();
 }

@@ -16,14 +16,17 @@ export function onChange(changed) {
 /** Draws boards, and keeps the focus. */
 export function showPlan(boards) {
   const focused = document.activeElement?.dataset?.name;
+  const at = [...keys.values()].indexOf(document.activeElement);
   keys = new Map();
   const svg = planPicture(boards, (group, face) => {
     keys.set(face.id, group);
     prepare(group, face);
   });
   plan.replaceChildren(svg);
-  // An edit may give a key another id.
-  const again = [...keys.values()].find((group) => group.dataset.name === focused);
+  if (at < 0) return;
+  // An edit may give a key another id. A key that is deleted leaves the focus to the one after it.
+  const groups = [...keys.values()];
+  const again = groups.find((group) => group.dataset.name === focused) ?? groups[Math.min(at, groups.length - 1)];
   again?.focus({ preventScroll: true });
 }
 

@@ -44,9 +44,18 @@ export const isRunning = () => running !== null;
 /** Returns whether the webcam runs, or will do so when the browser answers. */
 const isWanted = () => isRunning() || waiting !== null;
 
-const say = (text) => {
-  element("webcam-status").textContent = text;
+/** Shows a text. A screen reader would read the same text again. */
+const put = (id, text) => {
+  if (element(id).textContent !== text) element(id).textContent = text;
 };
+
+const say = (text) => put("webcam-status", text);
+
+/** Begins or ends to wait for the browser. The button stays enabled, or it would lose the keyboard focus. */
+function waitFor(own) {
+  waiting = own;
+  element("webcam-start").setAttribute("aria-disabled", String(own !== null));
+}
 
 const end = (stream) => {
   for (const track of stream.getTracks()) track.stop();
@@ -60,8 +69,7 @@ const format = () => {
 async function start(bytes) {
   stop("");
   const own = {};
-  waiting = own;
-  element("webcam-start").disabled = true;
+  waitFor(own);
   try {
     const model = bytes ?? (await knownModel());
     if (own !== waiting) return;
@@ -81,10 +89,7 @@ async function start(bytes) {
   } catch (error) {
     if (own === waiting) stop(REASONS[error.name] ?? `the camera does not start: ${error.message}`);
   } finally {
-    if (own === waiting) {
-      waiting = null;
-      element("webcam-start").disabled = false;
-    }
+    if (own === waiting) waitFor(null);
   }
 }
 
@@ -98,7 +103,9 @@ async function run(stream, model) {
   const [track] = stream.getVideoTracks();
   track.addEventListener("ended", () => own === running && stop("the camera was disconnected"));
   video.srcObject = stream;
+  const isFocused = document.activeElement === element("webcam-start");
   panel.classList.add("is-running");
+  if (isFocused) element("webcam-stop").focus();
   say("loading MediaPipe");
   await video.play();
   if (own !== running) return;
@@ -112,8 +119,7 @@ async function run(stream, model) {
 export function stop(text = "the camera is off") {
   const own = running;
   running = null;
-  waiting = null;
-  element("webcam-start").disabled = false;
+  waitFor(null);
   if (own) {
     end(own.stream);
     own.worker.terminate();
@@ -122,9 +128,11 @@ export function stop(text = "the camera is off") {
     stages.release();
     showHolding({ holding: null, advice: null, is_placed: false });
   }
+  const isFocused = document.activeElement?.classList.contains("while-running");
   panel.classList.remove("is-running");
-  element("webcam-numbers").textContent = "";
-  element("webcam-hint").textContent = "";
+  if (isFocused) element("webcam-start").focus();
+  put("webcam-numbers", "");
+  put("webcam-hint", "");
   context.clearRect(0, 0, picture.width, picture.height);
   say(text);
 }
@@ -174,7 +182,7 @@ const receivers = {
     const rate = frames.length > 1 ? (1000 * (frames.length - 1)) / (now - frames[0]) : 0;
     const scores = hands.map(({ label, score }) => `${shownSide(label)} hand ${Math.round(score * 100)} %`);
     element("webcam-numbers").textContent = [scores.join(", ") || "no hand", `${rate.toFixed(0)} images/s`, `${ms.toFixed(0)} ms each`].join(" · ");
-    element("webcam-hint").textContent = error ?? hintOf(hands, luminance, refused);
+    put("webcam-hint", error ?? hintOf(hands, luminance, refused));
     if (hands.length > 0 && !running.wasSeen) {
       running.wasSeen = true;
       say("hands are followed; put the board under your fingers");
@@ -233,7 +241,7 @@ export function showHolding({ holding, advice, is_placed: isPlaced }) {
   const progress = element("webcam-progress");
   progress.hidden = holding === null;
   progress.value = holding ?? 0;
-  element("webcam-advice").textContent = advice ?? (isPlaced ? "the boards are under your hands" : "");
+  put("webcam-advice", advice ?? (isPlaced ? "the boards are under your hands" : ""));
 }
 
 /** Prepares the panel. `handsOfLayout` returns the number of hands that the layout is for. */
@@ -244,7 +252,7 @@ export function prepareWebcam(stagesOfPage, handsOfLayout) {
     element("webcam-start").disabled = true;
     return say(VISION);
   }
-  element("webcam-start").addEventListener("click", () => start());
+  element("webcam-start").addEventListener("click", () => waiting === null && start());
   element("webcam-stop").addEventListener("click", () => stop());
   element("webcam-place-boards").addEventListener("click", () => stages.placeUnderHands());
   element("webcam-camera").addEventListener("change", () => isRunning() && start());
@@ -256,7 +264,9 @@ export function prepareWebcam(stagesOfPage, handsOfLayout) {
     if (!file) return;
     try {
       const bytes = await chooseModel(file);
+      const isFocused = document.activeElement === event.target;
       element("webcam-model").hidden = true;
+      if (isFocused) element("webcam-start").focus();
       await start(bytes);
     } catch (error) {
       say(error.message);

@@ -49,5 +49,8 @@ export function showCandidates(stages, { mode, words }) {
     button.addEventListener("click", () => stages.choose(index + 1));
     return button;
   });
+  const focused = [...row.children].indexOf(document.activeElement);
   row.replaceChildren(...(mode ? buttons : ["This layout has too few letters to correct words."]));
+  // A person who chooses words with the keyboard goes on from there.
+  if (focused >= 0) (row.children[Math.min(focused, words.length - 1)] ?? row).focus();
 }

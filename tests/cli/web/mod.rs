@@ -1,5 +1,6 @@
 //! The page of `web/` from `ademan serve` in a headless Chromium, and layouts in links.
 
+mod access;
 mod completion;
 mod files;
 mod hand_picture;
@@ -14,9 +15,12 @@ mod update;
 mod webcam;
 mod words;
 
+use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
+
+use tempfile::TempDir;
 
 use crate::ademan;
 use crate::browser::Browser;
@@ -31,6 +35,17 @@ fn folder() -> Option<PathBuf> {
     }
     println!("SKIPPED: the page is not built; web/build makes it");
     None
+}
+
+/// Returns a copy of the page, in which files may be changed.
+fn copy_of(page: &Path) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for entry in fs::read_dir(page).expect("the page").flatten() {
+        if entry.path().is_file() {
+            fs::copy(entry.path(), folder.path().join(entry.file_name())).expect("a copy");
+        }
+    }
+    folder
 }
 
 /// Serves the page. Returns the server, and the address of the page.

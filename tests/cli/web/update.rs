@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::page::open;
-use super::{folder, serve, serve_at};
+use super::{copy_of, folder, serve, serve_at};
 use crate::browser::Browser;
 
 const LOOK: &str = r##"({
@@ -47,14 +47,7 @@ fn an_open_page_keeps_its_version_and_the_next_load_has_the_newer_one() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
-    let page = tempfile::tempdir().expect("a folder");
-    for file in fs::read_dir(built).expect("a folder") {
-        let path = file.expect("an entry").path();
-        if path.is_file() {
-            let name = path.file_name().expect("a name");
-            fs::copy(&path, page.path().join(name)).expect("a file");
-        }
-    }
+    let page = copy_of(&built);
     let (server, address) = serve(page.path());
     open(&mut browser, &address);
     let controlled = "({controlled: Boolean(navigator.serviceWorker.controller)})";

@@ -293,6 +293,28 @@ fn a_camera_that_the_browser_gives_after_the_person_types_otherwise_is_let_go() 
 }
 
 #[test]
+fn the_focus_goes_from_the_button_that_starts_the_camera_to_the_one_that_stops_it_and_back() {
+    let Some((_scratch, mut browser, _server)) = page_that_waits_for_the_camera() else {
+        return;
+    };
+    // The finder of hands, which the model would end, says nothing.
+    browser.evaluate(
+        "{
+            globalThis.Worker = class extends EventTarget { postMessage() {} terminate() {} };
+            document.getElementById('webcam-start').focus();
+            globalThis.allow();
+            true;
+        }",
+    );
+    let focus = "({id: document.activeElement.id})";
+    browser.wait_for(focus, "the camera runs", |seen| seen["id"] == "webcam-stop");
+    click(&mut browser, "webcam-stop");
+    browser.wait_for(focus, "the camera is off", |seen| {
+        seen["id"] == "webcam-start"
+    });
+}
+
+#[test]
 fn the_memory_of_the_page_stays_as_it_is_while_the_camera_runs() {
     let (Some(folder), Some(model)) = (folder_with_vision(), model()) else {
         return;

@@ -7,7 +7,7 @@ use serde_json::json;
 use tempfile::TempDir;
 
 use super::page::{edit, open};
-use super::{browser_and_server, folder, serve};
+use super::{browser_and_server, copy_of, folder, serve};
 use crate::browser::Browser;
 
 const LOOK: &str = r##"({
@@ -81,10 +81,20 @@ fn words_are_corrected_and_a_click_takes_one() {
     browser.save_picture("words.png");
     assert_eq!(look["chosen"], "suggest en");
     browser.evaluate(
-        "[...document.querySelectorAll('#candidates button')].find((it) => it.textContent === 'quick').click()",
+        "{
+            const quick = [...document.querySelectorAll('#candidates button')].find((it) => it.textContent === 'quick');
+            globalThis.taken = quick;
+            quick.focus();
+            quick.click();
+            true;
+        }",
     );
     browser.wait_for(LOOK, "the candidate is taken", |seen| {
         seen["typed"] == "quick "
+    });
+    let focus = "({isGone: !taken.isConnected, isKept: document.getElementById('candidates').contains(document.activeElement)})";
+    browser.wait_for(focus, "the row keeps the focus", |seen| {
+        seen["isGone"] == true && seen["isKept"] == true
     });
 
     select(&mut browser, "gallery-list", "chords-bend");
@@ -169,13 +179,8 @@ fn a_page_that_is_loaded_again_says_that_nothing_is_corrected() {
 
 /// Returns a copy of the page in which a file is missing.
 fn without(page: &Path, missing: &str) -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    for entry in fs::read_dir(page).expect("the page").flatten() {
-        let name = entry.file_name();
-        if entry.path().is_file() && name != missing {
-            fs::copy(entry.path(), folder.path().join(name)).expect("a copy");
-        }
-    }
+    let folder = copy_of(page);
+    fs::remove_file(folder.path().join(missing)).expect("it was there");
     folder
 }
 
