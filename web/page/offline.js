@@ -6,6 +6,9 @@ const FILES = ["FILES"];
 
 const NEWER = "the server has another version of this page: load the page again";
 
+/** Returns the name of a file of the page; a path if it is not beside this one. */
+const nameOf = (url) => new URL(url).pathname.replace(new URL("./", location).pathname, "");
+
 /** Returns whether the server still has this version of the page. */
 const isCurrent = async () => (await (await fetch("offline.js", { cache: "no-store" })).text()).includes(`"${VERSION}"`);
 
@@ -46,7 +49,7 @@ async function refuse() {
 
 /** Loads a file, and keeps it if it is one that is loaded on demand: what few visitors use is large. */
 async function load(request) {
-  const isOnDemand = /\/(vision_|hand_landmarker|(score|full|words|recordings|e[ns])\.)/.test(new URL(request.url).pathname);
+  const isOnDemand = /^(vision_|hand_landmarker|(score|full|words|recordings|e[ns])\.)[^/]*$/.test(nameOf(request.url));
   // Without the kept files the page comes from the server, too.
   if (isOnDemand && (await caches.has(VERSION).catch(() => false)) && !(await isCurrent())) return refuse();
   const answer = await fetch(request);
@@ -57,8 +60,12 @@ async function load(request) {
 }
 
 self.addEventListener("fetch", (event) => {
-  if (event.request.method !== "GET" || new URL(event.request.url).origin !== location.origin) return;
-  const wanted = event.request.mode === "navigate" ? "./" : event.request;
+  const { method, mode, url } = event.request;
+  if (method !== "GET" || new URL(url).origin !== location.origin) return;
+  const isPage = ["", "index.html"].includes(nameOf(url));
+  // A site may have other pages, and the licence of MediaPipe is one.
+  if (mode === "navigate" && !isPage) return;
+  const wanted = isPage ? "./" : event.request;
   // A browser whose storage is damaged or full gets the file from the server.
   const kept = caches.match(wanted, { cacheName: VERSION, ignoreSearch: true }).catch(() => null);
   event.respondWith(kept.then((it) => it ?? load(event.request)));

@@ -15,6 +15,8 @@ const LOOK: &str = r##"({
   notice: document.getElementById("notice")?.textContent,
 })"##;
 
+const CONTROLLED: &str = "({controlled: Boolean(navigator.serviceWorker.controller)})";
+
 /// Waits for a version beside the one of the page.
 const WAITING: &str = r"(async () => {
     const registration = await navigator.serviceWorker.getRegistration();
@@ -50,8 +52,7 @@ fn an_open_page_keeps_its_version_and_the_next_load_has_the_newer_one() {
     let page = copy_of(&built);
     let (server, address) = serve(page.path());
     open(&mut browser, &address);
-    let controlled = "({controlled: Boolean(navigator.serviceWorker.controller)})";
-    browser.wait_for(controlled, "the files are kept", |look| {
+    browser.wait_for(CONTROLLED, "the files are kept", |look| {
         look["controlled"] == true
     });
     drop(server);
@@ -104,4 +105,23 @@ fn an_open_page_keeps_its_version_and_the_next_load_has_the_newer_one() {
     };
     let names = names.as_array().expect("a list");
     assert!(!names.is_empty() && names.iter().all(is_newer), "{names:?}");
+}
+
+#[test]
+fn another_page_beside_this_one_is_not_replaced_by_it() {
+    let Some(built) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let page = copy_of(&built);
+    let other = "<!doctype html><title>Licence</title>";
+    fs::write(page.path().join("licence.html"), other).expect("a file");
+    let (_server, address) = serve(page.path());
+    open(&mut browser, &address);
+    browser.wait_for(CONTROLLED, "the files are kept", |look| {
+        look["controlled"] == true
+    });
+    let url = format!("{address}licence.html");
+    browser.call("Page.navigate", json!({ "url": url }));
+    browser.wait_for(LOOK, "the other page", |look| look["title"] == "Licence");
 }
