@@ -308,8 +308,14 @@ view.onDraw = () => {
 // ---- Sharing and the gallery.
 
 element("share").addEventListener("click", async () => {
-  const link = await linkTo(editor.text());
-  history.replaceState(null, "", link);
+  if (new Blob([editor.text()]).size > MAX_LAYOUT_BYTES) return notify("the layout is larger than 1 MiB; save it as a file");
+  let link = "";
+  try {
+    link = await linkTo(editor.text());
+    history.replaceState(null, "", link);
+  } catch (error) {
+    return notify(`there is no link: ${error.message}; save the layout as a file`);
+  }
   keep();
   try {
     await navigator.clipboard.writeText(link);
@@ -362,7 +368,11 @@ function card(name) {
 addEventListener("hashchange", openFragment);
 addEventListener("beforeunload", (event) => editor.text() !== kept && event.preventDefault());
 if (!(await openFragment())) openShipped(FIRST_LAYOUT);
-if (session.layout === null) openShipped(FIRST_LAYOUT);
+if (session.layout === null) {
+  // The layout of the link has faults, which are shown over a board without faults.
+  useLayout(stages.fileText(FIRST_LAYOUT));
+  useLayout(editor.text());
+}
 requestAnimationFrame(frame);
 offerHeadset({ stages, advance, notify, openLayout }).then((it) => (headset = it));
 redraw();

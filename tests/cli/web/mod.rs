@@ -9,6 +9,7 @@ mod headset;
 mod lan;
 mod links;
 mod page;
+mod page_links;
 mod score;
 mod slow_clients;
 mod update;
