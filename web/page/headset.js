@@ -71,6 +71,7 @@ async function enter(mode) {
     prepareSound().catch(() => {});
     started = await navigator.xr.requestSession(mode, { requiredFeatures: ["local-floor"], optionalFeatures: ["hand-tracking"] });
     started.addEventListener("end", leave);
+    started.addEventListener("visibilitychange", rest);
     await run(started);
   } catch (error) {
     // Otherwise a person who has entered sees nothing, and no further session begins.
@@ -112,6 +113,13 @@ function leave() {
   view.isHidden = false;
   redraw();
   delete element("headset").dataset.session;
+}
+
+/** Releases everything while the browser shows something else, and gives no frames. */
+function rest() {
+  if (running?.session.visibilityState !== "hidden") return;
+  computer.send([]);
+  page.stages.release();
 }
 
 function onFrame(_, frame) {
