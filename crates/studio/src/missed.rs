@@ -58,6 +58,7 @@ mod tests {
             position: Vec2::ZERO,
         };
         Snapshot {
+            target_names: model().view.layout.target_names(),
             touches: touched.map(touch).into_iter().collect(),
             pose: Some(pose),
             stats: Stats {
@@ -85,7 +86,6 @@ mod tests {
     #[test]
     fn what_the_latest_view_has_is_shown_after_missed_steps() {
         let mut model = model();
-        // A value that was sent in this layout before.
         model.update(&step(1, None));
         let state = Arc::make_mut(&mut model.view.state);
         (state.pressed, state.values) = (vec![KEY], vec![(TargetId(7), 0.25)]);

@@ -11,12 +11,11 @@ use super::sensors::SensorTable;
 use super::shapes::Shapes;
 use super::trails::Trail;
 use ademan_core::contact::surface::Anchor;
-use ademan_core::contact::{Phase, TargetId};
+use ademan_core::contact::{Phase, TargetId, TargetNames};
 use ademan_core::device::{EventKind, KeyCode};
 use ademan_core::estimate::Rejection;
 use ademan_core::hand::{Dof, Finger, FingerSet, JointAngles, Side};
 use ademan_core::kinematics::HandPose;
-use ademan_core::layout::Layout;
 use ademan_core::pipeline::PipelineState;
 use ademan_core::snapshot::{Snapshot, Stats};
 use ademan_runtime::capture::Sample;
@@ -60,8 +59,8 @@ pub struct StudioModel {
     pub values: BTreeMap<TargetId, f32>,
     /// The meshes of the layout.
     pub shapes: Shapes,
-    /// The layout of `values`.
-    valued: Option<Arc<Layout>>,
+    /// The names of the targets of the layout, to which `contacts` and `values` belong.
+    target_names: TargetNames,
     /// The last seconds.
     pub history: History,
     /// The session is in another process, which sends views only.
@@ -80,6 +79,8 @@ impl StudioModel {
     pub fn with_shapes(view: View, sensors: SensorTable, mut shapes: Shapes) -> Self {
         shapes.update(&view.layout);
         Self {
+            values: view.state.values.iter().copied().collect(),
+            target_names: view.layout.target_names(),
             view,
             poses: [None; Side::COUNT],
             resting: None,
@@ -90,18 +91,21 @@ impl StudioModel {
             rejected_before: [0; Rejection::COUNT],
             sensors,
             latency: LatencyLog::default(),
-            values: BTreeMap::new(),
             shapes,
-            valued: None,
             history: History::default(),
             is_from_views: false,
             has_ended: false,
         }
     }
 
-    /// Replaces the view, and reads the meshes of a new layout.
+    /// Replaces the view, and reads the meshes of a new layout, whose values are the ones of the view.
     pub fn set_view(&mut self, view: View) {
         self.shapes.update(&view.layout);
+        if !Arc::ptr_eq(&self.view.layout, &view.layout) {
+            self.values = view.state.values.iter().copied().collect();
+            self.target_names = view.layout.target_names();
+            self.clear_contacts();
+        }
         self.view = view;
     }
 
@@ -183,6 +187,16 @@ impl StudioModel {
         for (pose, is_lost) in self.poses.iter_mut().zip(snapshot.lost_hands) {
             *pose = pose.filter(|_| !is_lost);
         }
+        // A snapshot may be older than the view, and the step that exchanges layouts resets controls of the one before, whose targets
+        // have the ids of others now.
+        if snapshot.target_names == self.target_names {
+            self.keep_contacts(snapshot);
+            self.keep_values(snapshot);
+        }
+        self.remember(snapshot);
+    }
+
+    fn keep_contacts(&mut self, snapshot: &Snapshot) {
         for touch in &snapshot.touches {
             let contact = &mut self.contacts[touch.side.index()][touch.finger.index()];
             let pressed = &self.view.state.pressed;
@@ -204,17 +218,9 @@ impl StudioModel {
                 }),
             };
         }
-        self.keep_values(snapshot);
-        self.remember(snapshot);
     }
 
-    /// Keeps the values of controls, until another layout is used.
     fn keep_values(&mut self, snapshot: &Snapshot) {
-        let used = &self.view.layout;
-        if !self.valued.as_ref().is_some_and(|it| Arc::ptr_eq(it, used)) {
-            self.valued = Some(Arc::clone(used));
-            self.values.clear();
-        }
         for event in &snapshot.events {
             if let EventKind::Value(target, value) = event.kind {
                 self.values.insert(target, value);
@@ -359,6 +365,7 @@ pub(crate) mod tests {
     use ademan_core::contact::Touch;
     use ademan_core::device::{EventKind, OutputEvent};
     use ademan_core::hand::Joint;
+    use ademan_core::layout::Layout;
     use ademan_core::time::Timestamp;
     use ademan_runtime::files::Load;
     use parry3d::math::Vec2;
@@ -464,6 +471,7 @@ pub(crate) mod tests {
         model.update(&Snapshot {
             pose: Some(hand(1)),
             angles: Some(JointAngles::default()),
+            target_names: model.target_names.clone(),
             touches: [touch].into_iter().collect(),
             ..snapshot(PipelineState::Running)
         });

@@ -102,8 +102,13 @@ mod tests {
     use super::*;
     use crate::model::tests::snapshot;
     use crate::scene::tests::model_of;
+    use ademan_core::contact::{Phase, TargetId};
+    use ademan_core::device::{EventKind, Events};
+    use ademan_core::hand::Finger;
     use ademan_core::layout::Layout;
+    use ademan_core::time::Timestamp;
     use ademan_runtime::files::Load;
+    use parry3d::math::Vec2;
 
     #[test]
     fn a_profile_that_becomes_active_has_its_meshes() {
@@ -114,5 +119,40 @@ mod tests {
         RecordedStep::new(&step.view(), Some(next)).apply_to(&mut model);
         assert_eq!(model.view.layout.name, layout("claws").name);
         assert!(model.shapes.mesh("claw.obj").is_some());
+    }
+
+    #[test]
+    fn what_a_layout_ends_when_another_one_follows_is_neither_a_value_nor_a_contact_of_that() {
+        let layout = |name: &str| Arc::new(Layout::load(name).unwrap());
+        let mixer = layout("mixer");
+        let fader = TargetId(3);
+        let touch = Touch {
+            time: Timestamp::default(),
+            side: Side::Right,
+            finger: Finger::Index,
+            target: fader,
+            phase: Phase::Pressed,
+            depth: 1.0,
+            position: Vec2::ZERO,
+        };
+        let emitted = |value| Snapshot {
+            target_names: mixer.target_names(),
+            touches: [touch].into_iter().collect(),
+            events: Events::from_iter([OutputEvent {
+                time: Timestamp::default(),
+                kind: EventKind::Value(fader, value),
+            }]),
+            ..snapshot(PipelineState::Running)
+        };
+        let mut model = model_of(Arc::clone(&mixer));
+        RecordedStep::new(&emitted(0.7).view(), None).apply_to(&mut model);
+        assert_eq!(model.values.get(&fader), Some(&0.7));
+        assert!(model.contact_with(fader).is_some());
+        let mut next = model_of(layout("claws")).view;
+        Arc::make_mut(&mut next.state).values = vec![(TargetId(0), 0.2)];
+        RecordedStep::new(&emitted(0.5).view(), Some(next)).apply_to(&mut model);
+        assert_eq!(model.contact_with(fader), None);
+        let values: Vec<_> = model.values.into_iter().collect();
+        assert_eq!(values, [(TargetId(0), 0.2)]);
     }
 }
