@@ -77,11 +77,14 @@ impl Recording {
         let map = self.setup.glove.as_ref().map(|glove| &glove.map);
         let source = format!("recording:{}", self.path.to_string_lossy());
         let sensors = map.map(SensorTable::new).unwrap_or_default();
-        let shapes = if self.has_own_layout {
+        let mut shapes = if self.has_own_layout {
             Shapes::default()
         } else {
             Shapes::for_setup(&self.setup)
         };
+        if let Some(document) = self.setup.arm_document() {
+            shapes.set_arm(document);
+        }
         StudioModel::with_shapes(
             session::first_view(&self.setup, &source),
             sensors.with_other_hand(other_side(&self.setup)),

@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::*;
 use crate::history::{Moment, SentEvent};
 use crate::model::StudioModel;
+use ademan_core::document::Document;
 use ademan_core::hand::Finger;
 use ademan_core::snapshot::Snapshot;
 use ademan_core::time::Timestamp;
@@ -13,12 +14,18 @@ use ademan_runtime::capture::recording::Replay;
 use ademan_runtime::capture::{Hc11Format, Reading, Source, SourceEvent};
 use ademan_runtime::recorder::Recorder;
 use ademan_runtime::session::{command_channel, replay};
-use ademan_runtime::setup::Setup;
+use ademan_runtime::setup::{ArmSetup, Setup};
 
 /// Records the typist on a layout.
 fn record(folder: &Path, text: &str) -> PathBuf {
+    record_with(ArmSetup::default(), folder, text)
+}
+
+/// Records the typist with an arm.
+fn record_with(arm: ArmSetup, folder: &Path, text: &str) -> PathBuf {
     let path = folder.join("typist.mcap");
     let setup = Setup {
+        arm,
         output: "none".into(),
         ..Setup::default()
     };
@@ -178,6 +185,26 @@ fn scrubbing_back_and_forth_shows_what_a_straight_replay_shows() {
     let is_pressed = |content: &Content| content.state.contains("is_pressed: true");
     assert!(expected.iter().any(is_pressed));
     assert!(!expected[0].history.is_empty() && !expected[0].events.is_empty());
+}
+
+#[test]
+fn what_is_not_drawn_of_the_arm_of_a_recording_is_said_at_each_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = Document::shipped("unam").unwrap().text;
+    let end = shipped.rfind(')').unwrap();
+    let shapes = r#"shapes: [(file: "a.obj", joint: "wrist")])"#;
+    let arm = folder.path().join("own.ron");
+    std::fs::write(&arm, format!("{}{shapes}", &shipped[..end])).unwrap();
+    let arm = ArmSetup::Model(arm.display().to_string());
+    let path = record_with(arm, folder.path(), "hi");
+    let mut shown = Shown::open(&path);
+    let last = shown.player.len() - 1;
+    for index in [last, 0] {
+        shown.show(index);
+        let errors: Vec<&str> = shown.model.shapes.errors().collect();
+        assert_eq!(errors.len(), 1, "step {index}: {errors:?}");
+        assert!(errors[0].contains("a.obj"), "{errors:?}");
+    }
 }
 
 #[test]
