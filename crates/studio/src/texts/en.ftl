@@ -184,7 +184,7 @@ headset-connected = Headset { $name } at { $address }
 headset-none = No headset connected
 headset-hint = Link for the headset, and its keys
 headset-open = Scan the code with the headset, or open this link in its browser. It is a password: a person who has it can move your pointer.
-headset-certificate = The browser warns of the certificate, which this computer has made itself; go on once.
+headset-certificate = The browser warns about the certificate, which this computer has made itself; continue once.
 headset-code = QR code of the link
 headset-show = Show the link
 headset-hide = Hide the link
@@ -234,7 +234,10 @@ recording-to = To here
 recording-file = File
 recording-export = Export the part
 recording-exporting = Writing…
-recording-exported = { $count } readings are in { $file }
+recording-exported = { $count ->
+        [one] 1 reading is in { $file }
+       *[other] { $count } readings are in { $file }
+    }
 recording-replace = { $file } exists.
 recording-replace-yes = Replace it
 recording-replace-no = Keep it
@@ -277,7 +280,10 @@ sensor-channels = Channels
 sensor-bar = Signal
 sensor-bar-hint = Triangles: limits of the joint. Shaded: calibrated range.
 sensor-channel-hint = Channel { $channel } { $label }: select it to change its values
-sensor-count-name = Channel { $channel }: { $count } counts
+sensor-count-name = { $count ->
+        [one] Channel { $channel }: 1 count
+       *[other] Channel { $channel }: { $count } counts
+    }
 sensor-no-count = Channel { $channel }: no value
 sensor-missing = No value
 sensor-low-end = At its lower end: check the wire
@@ -463,8 +469,8 @@ editor-press-key = Press the key
 editor-press-key-hint = Take the next key that is pressed on the keyboard
 editor-pressing = Press a key now; click to cancel
 editor-unbind = Remove
-editor-changed-outside = The file has changed outside, and so has this text.
-editor-merged = Changes of the file were merged.
+editor-changed-outside = Another program has changed the file, in places that are changed here, too.
+editor-merged = Another program has changed the file; its changes are in this text, too.
 editor-keep-mine = Keep mine
 editor-take-theirs = Take the file
 editor-close-question = The layout has unsaved changes.
@@ -489,7 +495,7 @@ editor-width = Width
 editor-depth = Depth
 editor-diameter = Diameter
 editor-angle = Angle
-editor-reloaded = The file has changed outside and was read again.
+editor-reloaded = Another program has changed the file; it was read again.
 editor-replace = Replace the file
 editor-row = Row
 editor-option = Option
@@ -571,7 +577,10 @@ first-start = Ready
 first-no-port = No serial port is present. Connect the glove, then start Studio again.
 first-listening = { $port }: listening for some seconds …
 first-recognized = { $port } has a device:
-first-unknown = { $port }: { $bytes } bytes of no known device. Check its bit rate.
+first-unknown = { $bytes ->
+        [one] { $port }: 1 byte of no known device. Check its bit rate.
+       *[other] { $port }: { $bytes } bytes of no known device. Check its bit rate.
+    }
 first-silent = { $port }: nothing arrives. Switch the glove on, then start Studio again.
 first-closed = { $port }: cannot listen: { $reason }
 first-camera = Camera { $camera }: it follows your hand with the command { $command } in a terminal.
@@ -617,10 +626,19 @@ lab-run-hint = Scores the layout on threads of its own
 lab-run-invalid = The layout has errors; the tab Layout lists them
 lab-run-unnamed = Name the layout to compare with
 lab-cancel = Cancel
-lab-progress = { $done } of { $all } people
+lab-progress = { $all ->
+        [one] { $done } of 1 person
+       *[other] { $done } of { $all } people
+    }
 lab-no-results = No run yet
 lab-stale = The layout was changed since this run
-lab-conditions = { $people } people, { $phrases } phrases each of { $corpus }; errors: { $tier }; sensor { $source }; decoder { $decoder }; seed { $seed }. Simulated; ranges are intervals of 95 % from resampled populations.
+lab-conditions = { $people ->
+        [one] 1 person
+       *[other] { $people } people
+    }, { $phrases ->
+        [one] 1 phrase
+       *[other] { $phrases } phrases
+    } each of { $corpus }; errors: { $tier }; sensor { $source }; decoder { $decoder }; seed { $seed }. Simulated; ranges are intervals of 95 % from resampled populations.
 lab-wpm = Words of correct text/min
 lab-cer = Wrong characters, %
 lab-insertions = … too many, %
@@ -639,14 +657,14 @@ lab-minus = { $second } minus { $first }
 lab-points-cer = Wrong characters, points
 lab-points-uncomfortable = Outside comfortable range, points
 lab-points-tasks = Tasks done, points
-lab-seconds-task = Seconds a task
+lab-seconds-task = Seconds per task
 lab-throughput = Throughput, bit/s
 lab-points-misses = Clicks beside the target, points
 lab-worst-people = Worst people
 lab-watch-hint = Click on a person to watch the phrase that went worst
 lab-watch-tasks = Tasks cannot be watched
 lab-person = Person { $number }, { $hand } mm, { $fingers }: { $failure } %
-lab-heat-hint = The stronger the colour, the more strokes missed the control; point at one for its figures
+lab-heat-hint = The stronger the color, the more strokes missed the control; point at one for its figures
 lab-watch-note = a simulated person; nothing is typed into other programs
 lab-watch-back = Back to the lab
 lab-watch-next = Next miss

@@ -234,7 +234,10 @@ recording-to = Hasta aquí
 recording-file = Archivo
 recording-export = Exportar el fragmento
 recording-exporting = Escribiendo…
-recording-exported = { $count } lecturas están en { $file }
+recording-exported = { $count ->
+        [one] 1 lectura está en { $file }
+       *[other] { $count } lecturas están en { $file }
+    }
 recording-replace = { $file } ya existe.
 recording-replace-yes = Reemplazarlo
 recording-replace-no = Conservarlo
@@ -277,7 +280,10 @@ sensor-channels = Canales
 sensor-bar = Señal
 sensor-bar-hint = Triángulos: límites de la articulación. Sombreado: intervalo calibrado.
 sensor-channel-hint = Canal { $channel } { $label }: selecciónelo para cambiar sus valores
-sensor-count-name = Canal { $channel }: { $count } cuentas
+sensor-count-name = { $count ->
+        [one] Canal { $channel }: 1 cuenta
+       *[other] Canal { $channel }: { $count } cuentas
+    }
 sensor-no-count = Canal { $channel }: sin valor
 sensor-missing = Sin valor
 sensor-low-end = En su extremo inferior: revise el cable
@@ -463,8 +469,8 @@ editor-press-key = Pulsar la tecla
 editor-press-key-hint = Tomar la siguiente tecla que se pulse en el teclado
 editor-pressing = Pulse una tecla; clic para cancelar
 editor-unbind = Quitar
-editor-changed-outside = El archivo ha cambiado fuera, y este texto también.
-editor-merged = Se han combinado los cambios del archivo.
+editor-changed-outside = Otro programa ha cambiado el archivo, en lugares que también se han cambiado aquí.
+editor-merged = Otro programa ha cambiado el archivo; sus cambios también están en este texto.
 editor-keep-mine = Conservar lo mío
 editor-take-theirs = Tomar el archivo
 editor-close-question = La distribución tiene cambios sin guardar.
@@ -489,7 +495,7 @@ editor-width = Ancho
 editor-depth = Fondo
 editor-diameter = Diámetro
 editor-angle = Ángulo
-editor-reloaded = El archivo ha cambiado fuera y se ha vuelto a leer.
+editor-reloaded = Otro programa ha cambiado el archivo; se ha vuelto a leer.
 editor-replace = Reemplazar el archivo
 editor-row = Fila
 editor-option = Opción
@@ -571,7 +577,10 @@ first-start = Listo
 first-no-port = No hay ningún puerto serie. Conecte el guante y vuelva a iniciar Studio.
 first-listening = { $port }: escuchando unos segundos …
 first-recognized = { $port } tiene un dispositivo:
-first-unknown = { $port }: { $bytes } bytes de ningún dispositivo conocido. Compruebe su velocidad.
+first-unknown = { $bytes ->
+        [one] { $port }: 1 byte de ningún dispositivo conocido. Compruebe su velocidad.
+       *[other] { $port }: { $bytes } bytes de ningún dispositivo conocido. Compruebe su velocidad.
+    }
 first-silent = { $port }: no llega nada. Encienda el guante y vuelva a iniciar Studio.
 first-closed = { $port }: no se puede escuchar: { $reason }
 first-camera = Cámara { $camera }: sigue su mano con la orden { $command } en un terminal.
@@ -585,7 +594,7 @@ first-mirrored = Imagen reflejada de { $layout }, en un archivo propio
 first-summary-source = Fuente
 first-summary-hand = Mano
 first-summary-layout = Distribución
-first-calibrate = Calibrar primero el guante: algunas poses, un minuto
+first-calibrate = Calibrar primero el guante: algunas poses, cerca de un minuto
 first-keep = Guardar como configuración de cada ejecución sin otra
 first-begin = Iniciar
 first-skip = Saltar
@@ -617,10 +626,19 @@ lab-run-hint = Evalúa la distribución en hilos propios
 lab-run-invalid = La distribución tiene errores; la pestaña Distribución los muestra
 lab-run-unnamed = Indique la distribución con la que comparar
 lab-cancel = Cancelar
-lab-progress = { $done } de { $all } personas
+lab-progress = { $all ->
+        [one] { $done } de 1 persona
+       *[other] { $done } de { $all } personas
+    }
 lab-no-results = Todavía no hay resultados
 lab-stale = La distribución ha cambiado desde esta ejecución
-lab-conditions = { $people } personas, { $phrases } frases de cada una de { $corpus }; errores: { $tier }; sensor { $source }; decodificador { $decoder }; semilla { $seed }. Simulado; los intervalos son del 95 %, de poblaciones remuestreadas.
+lab-conditions = { $people ->
+        [one] 1 persona
+       *[other] { $people } personas
+    }, { $phrases ->
+        [one] 1 frase
+       *[other] { $phrases } frases
+    } de cada una de { $corpus }; errores: { $tier }; sensor { $source }; decodificador { $decoder }; semilla { $seed }. Simulado; los intervalos son del 95 %, de poblaciones remuestreadas.
 lab-wpm = Palabras correctas/min
 lab-cer = Caracteres erróneos, %
 lab-insertions = … de más, %

@@ -143,6 +143,21 @@ fn every_key_in_the_sources_has_words_and_all_words_are_used() {
 }
 
 #[test]
+fn one_of_something_is_singular() {
+    for (language, one, several) in [
+        (Language::Spanish, "0 de 1 persona", "0 de 2 personas"),
+        (Language::English, "0 of 1 person", "0 of 2 people"),
+    ] {
+        set_language(language);
+        let progress = |all: usize| {
+            let values = [("done", Value::from(0_usize)), ("all", Value::from(all))];
+            text_with("lab-progress", &values)
+        };
+        assert_eq!((progress(1).as_str(), progress(2).as_str()), (one, several));
+    }
+}
+
+#[test]
 fn a_missing_key_shows_itself() {
     assert_eq!(text("no-such-key"), "no-such-key");
     assert_eq!(text_with("no-such-key", &[]), "no-such-key");

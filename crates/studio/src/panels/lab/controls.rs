@@ -129,10 +129,7 @@ fn show_run(ui: &mut egui::Ui, state: &mut LabState, editor: &EditorPanel) {
     };
     let (done, all) = run.progress();
     let part = done as f32 / all.max(1) as f32;
-    let values = [
-        ("done", done.to_string().into()),
-        ("all", all.to_string().into()),
-    ];
+    let values = [("done", done.into()), ("all", all.into())];
     ui.add(ProgressBar::new(part).text(text_with("lab-progress", &values)));
     let is_cancelled = run.is_cancelled();
     let cancel = egui::Button::new(text("lab-cancel"));

@@ -36,8 +36,8 @@ fn conditions(shown: &Shown) -> String {
     let settings = &shown.outcome.request.settings;
     let tier = settings.tier.map_or(text("lab-own-errors"), |it| it.name());
     let values = [
-        ("people", settings.people.to_string().into()),
-        ("phrases", settings.phrases.to_string().into()),
+        ("people", settings.people.into()),
+        ("phrases", settings.phrases.into()),
         ("corpus", settings.corpus.name().into()),
         ("tier", tier.into()),
         ("source", settings.source.name().into()),

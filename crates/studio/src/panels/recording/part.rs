@@ -65,8 +65,7 @@ impl PartState {
         let file = self.file.clone().unwrap_or_default();
         self.message = match result {
             Ok(Ok(readings)) => {
-                let count = readings.to_string().into();
-                let values = [("count", count), ("file", file.into())];
+                let values = [("count", readings.into()), ("file", file.into())];
                 Some(text_with("recording-exported", &values))
             }
             Ok(Err(ExportError::Exists(_))) => {
