@@ -131,7 +131,8 @@ function prepare(group, face) {
     const step = event.shiftKey ? 5 : 1;
     const moves = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
     if (moves[event.key]) change([face.id], { move: { by_mm: moves[event.key] } });
-    else if (event.key === "Delete") change([face.id], "delete");
+    // The key “delete” of a Mac is Backspace.
+    else if (["Delete", "Backspace"].includes(event.key)) change([face.id], "delete");
     else if (event.key.toLowerCase() === "d") change([face.id], "duplicate");
     else return;
     event.preventDefault();
