@@ -167,6 +167,8 @@ function begin() {
 const MAX_RECORDING_BYTES = 15e6;
 const MAX_LAYOUT_BYTES = 1 << 20;
 
+const counted = (readings) => `${readings} ${readings === 1 ? "reading" : "readings"}`;
+
 /** Plays a recording, a motion capture file or one with lines of JSON, whose protocol the first line shows; a layout is opened. */
 async function play(file) {
   if (!file) return;
@@ -174,7 +176,7 @@ async function play(file) {
   try {
     if (file.name.endsWith(".mcap")) {
       const { playRecording } = await import("./recordings.js");
-      return playRecording(stages, file, { notify, open: begin, openLayout });
+      return playRecording(stages, file, { notify, open: begin, openLayout, counted });
     }
     const text = await file.text();
     if (file.name.endsWith(".ron")) return file.size > MAX_LAYOUT_BYTES ? notify("the layout is larger than 1 MiB") : openLayout(text);
@@ -182,7 +184,7 @@ async function play(file) {
     if (!protocol) return notify("the file is no recording (.mcap), no motion capture (BVH), and no lines with hands of a headset or webcam; a layout ends with .ron");
     if (protocol.startsWith("bvh")) await (await import("./full.js")).loadFull(stages, begin);
     const { readings, refused, error } = stages.playFile(protocol, text);
-    notify(error ?? `${readings} readings of ${protocol}${refused ? `; the rest cannot be read: ${refused}` : ""}`);
+    notify(error ?? `${counted(readings)} of ${protocol.split("?")[0]}${refused ? `; the rest cannot be read: ${refused}` : ""}`);
   } catch (error) {
     notify(`the file cannot be read: ${error.message}`);
   }

@@ -78,7 +78,7 @@ async function start(bytes) {
       element("webcam-file").focus();
       return say("choose the file of the hand model first");
     }
-    if (!navigator.mediaDevices) return say("browsers give a camera only to pages by https or at 127.0.0.1");
+    if (!navigator.mediaDevices) return say("browsers give a camera only to pages that were loaded by https or from 127.0.0.1");
     say("waiting for the camera");
     const chosen = element("webcam-camera").value;
     const device = chosen ? { deviceId: { exact: chosen } } : { facingMode: "user" };
@@ -202,7 +202,7 @@ function hintOf(hands, luminance, refused) {
   if (luminance > BRIGHT) return "It is too bright: turn away from the window or lamp.";
   if (refused?.includes("bend backwards")) return "The fingers seem to bend backwards: change “The image is mirrored”.";
   if (refused) return refused;
-  if (hands.some(({ score }) => score < 0.7)) return "The hand is seen badly: more light from the front and a plain background help.";
+  if (hands.some(({ score }) => score < 0.7)) return "The hand is hard to see: more light from the front and a plain background help.";
   if (hands.some(({ image }) => image.some(([x, y]) => x < 0 || x > 1 || y < 0 || y > 1))) return "A part of the hand is out of the picture.";
   return "";
 }
