@@ -24,6 +24,8 @@ const element = (id) => document.getElementById(id);
 /** The headset of the page: what `main.js` tells it, and what runs. */
 const page = { stages: null, advance() {}, notify() {} };
 let running = null;
+/** The browser asks the person, or prepares the session: it gives no second one until then. */
+let isEntering = false;
 const computer = connectComputer((text) => page.notify(text), (layout) => page.openLayout(layout));
 
 /** Hears what the stages say: a touch sounds, and the panel shows the text. */
@@ -58,7 +60,7 @@ export function offer(modes, of) {
   for (const mode of modes) {
     const button = element(MODES[mode]);
     button.hidden = false;
-    button.addEventListener("click", () => (running ? running.session.end() : enter(mode)));
+    button.addEventListener("click", () => (running ? running.session.end() : isEntering || enter(mode)));
     element("headset").hidden = false;
   }
   computer.start();
@@ -66,6 +68,7 @@ export function offer(modes, of) {
 
 async function enter(mode) {
   let started = null;
+  isEntering = true;
   try {
     // Not awaited: a browser may never permit it.
     prepareSound().catch(() => {});
@@ -78,6 +81,8 @@ async function enter(mode) {
     started?.end().catch(() => {});
     leave();
     page.notify(`the headset cannot be used: ${error.message}; allow this page to use virtual reality and hand tracking`);
+  } finally {
+    isEntering = false;
   }
 }
 

@@ -322,3 +322,32 @@ fn a_hand_that_holds_a_board_does_not_move_the_boards_of_another_layout() {
     let moves = browser.evaluate(MOVES);
     assert_eq!(moves, json!({"before": true, "after": false}));
 }
+
+/// A headset whose browser asks the person, who does not answer.
+const ASKS: &str = "Object.defineProperty(navigator, 'xr', { value: {
+    isSessionSupported: async () => true,
+    requestSession: () => {
+        globalThis.asked = (globalThis.asked ?? 0) + 1;
+        return new Promise(() => {});
+    },
+} })";
+
+#[test]
+fn a_second_click_while_the_browser_asks_the_person_asks_no_second_time() {
+    let Some(page) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&page);
+    browser.call("Page.enable", json!({}));
+    let source = json!({ "source": ASKS });
+    browser.call("Page.addScriptToEvaluateOnNewDocument", source);
+    open(&mut browser, &address);
+    browser.wait_for(LOOK, "a headset is offered", |look| {
+        look["isOffered"] == true
+    });
+    browser.evaluate("for (const id of ['enter-vr', 'enter-vr', 'enter-ar']) document.getElementById(id).click()");
+    let look = browser.wait_for(LOOK, "no complaint", |seen| seen["notice"] == "");
+    assert_eq!(look["session"], "");
+    assert_eq!(browser.evaluate("globalThis.asked"), 1);
+}
