@@ -66,7 +66,7 @@ fn a_legacy_line_that_began_before_the_connection_to_a_tcp_bridge_is_dropped() {
         let mut peer = accept(&listener);
         let stream = format!("95{rest}\n1095{rest}\n");
         peer.write_all(stream.as_bytes()).unwrap();
-        assert_eq!(samples(&mut *source, 1), [expected.clone()]);
+        assert_eq!(samples(&mut *source, 1), std::slice::from_ref(&expected));
         drop(peer);
         let lost = next_within(&mut *source, Duration::from_secs(60)).unwrap_err();
         assert!(lost.is_recoverable(), "{lost}");

@@ -110,11 +110,9 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
     let column = |name: &str| rows[0].iter().position(|it| it == name).expect(name);
     assert_eq!(rows[1][column("layout")], "qwerty-flat");
     assert_eq!(rows[1][column("characters")], "5");
-    assert_eq!(rows[1][column("cer")], "0");
+    let errors = ["cer", "deleted", "uncorrected", "corrected"];
+    assert_eq!(errors.map(|name| rows[1][column(name)].as_str()), ["0"; 4]);
     assert_eq!(rows[1][column("kspc")], "1");
-    for name in ["deleted", "uncorrected", "corrected"] {
-        assert_eq!(rows[1][column(name)], "0", "{name}");
-    }
     assert!(rows[1][column("wpm")].parse::<f64>().expect("a speed") > 5.0);
     // Both layouts have the same number of the task for a phrase.
     assert_eq!(rows[1][column("task")], rows[2][column("task")]);

@@ -217,7 +217,6 @@ fn a_layout_file_that_states_another_mode_sets_it_and_a_mode_that_was_chosen_is_
         ..Setup::default()
     };
     let loaded = load_layout(&with_mode("Literal"), setup);
-    let mut pipeline = CheckedPipeline::new(&loaded);
     let reload = |pipeline: &mut CheckedPipeline, mode: &str| {
         let layout = loaded.layout.with_text(&with_mode(mode));
         let layout = layout.expect("a valid layout");
@@ -225,6 +224,7 @@ fn a_layout_file_that_states_another_mode_sets_it_and_a_mode_that_was_chosen_is_
         pipeline.replace_profile(0, &mut instance, &layout, &mut Events::new());
         pipeline.text_state().expect("a decoder").mode
     };
+    let mut pipeline = CheckedPipeline::new(&loaded);
     let chosen = Command::Text {
         mode: TextMode::Suggest,
     };

@@ -88,7 +88,7 @@ mod tests {
             values.filter(is_new).collect()
         };
         let wer = ("wrong words (WER), %".to_owned(), 25.0);
-        assert_eq!(shown(plain), [wer.clone()]);
+        assert_eq!(shown(plain), std::slice::from_ref(&wer));
         let oov = ("words not in the lexicon (OOV), %".to_owned(), 50.0);
         assert_eq!(shown(decoded), [wer.clone(), oov]);
         let uncorrected = ("uncorrected errors, % of keystrokes".to_owned(), 8.0);
