@@ -130,6 +130,46 @@ fn a_channel_that_is_sent_and_never_changes_is_dead() {
 }
 
 #[test]
+fn exchanged_sensors_of_fingers_are_found_put_right_and_typed_with() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // The plugs of three fingers are one place further.
+    let build = Build {
+        order: [0, 2, 3, 1, 4],
+        ..BUILD
+    };
+    let wearer = Wearer::start(build.clone());
+    let (code, out, errors) = calibrate(&wearer, &folder, &["--fingers", "--out", "mine"]);
+    assert_eq!(code, 0, "{errors}");
+    for expected in [
+        "pose 10 of 10: little-bent: bend only the little finger",
+        "thumb    10, 11, 12\n",
+        "index    23, 24, 25 (starting glove: ring)\n",
+        "middle   15, 16, 17 (starting glove: index)\n",
+        "ring     19, 20, 21 (starting glove: middle)\n",
+        "little   27, 28, 29\n",
+        "exchanged sensors: the new file has each at the finger that it follows\n",
+    ] {
+        assert!(out.contains(expected), "no {expected}:\n{out}");
+    }
+    assert!(!out.contains("--fingers"), "it was done: {out}");
+    assert_usable(&folder, "mine.ron", &build);
+    // From the new file on, and from the recording, each sensor is at its finger.
+    let source = format!("serial:{}?protocol=lucidgloves", wearer.port());
+    let mut again = ademan(["calibrate", "--fingers", "--countdown", "0.5"]);
+    again.args(["--source", &source, "--glove", "mine.ron", "--out", "again"]);
+    again.current_dir(folder.path());
+    let (again_code, again_out, again_errors) = wearer.pose_for(again);
+    assert_eq!(again_code, 0, "{again_errors}");
+    assert!(again_out.contains("ring     19, 20, 21\n"), "{again_out}");
+    assert!(!again_out.contains("exchanged sensors"), "{again_out}");
+    let kept = ["calibrate", "--from", "mine.mcap", "--out", "kept.ron"];
+    let kept = ademan(kept).current_dir(folder.path()).output();
+    assert!(kept.expect("it starts").status.success());
+    let text = |name| fs::read(folder.path().join(name)).expect("a file");
+    assert_eq!(text("kept.ron"), text("mine.ron"));
+}
+
+#[test]
 fn the_channels_of_a_glove_that_sends_five_curls_are_found() {
     let folder = tempfile::tempdir().expect("a folder");
     // It follows the index finger, and measures none.
@@ -195,6 +235,23 @@ fn home_made_gloves_are_shown_without_a_glove() {
         .expect("it starts");
     crate::Ended::from(ended).done();
     assert_eq!(read_glove(&folder, "found.ron").map.rows().len(), 15);
+}
+
+#[test]
+fn exchanged_sensors_are_shown_without_a_glove() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let demo = ["calibrate", "--demo", "--demo-glove", "swapped"];
+    let ended = ademan(demo.into_iter().chain(["--fingers", "--out", "mine"]))
+        .current_dir(folder.path())
+        .output()
+        .expect("it starts");
+    let out = crate::Ended::from(ended).done().out;
+    for expected in [
+        "middle   23, 24, 25 (starting glove: ring)\n",
+        "ring     19, 20, 21 (starting glove: middle)\n",
+    ] {
+        assert!(out.contains(expected), "no {expected}:\n{out}");
+    }
 }
 
 #[test]

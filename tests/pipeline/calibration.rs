@@ -5,8 +5,8 @@
 use std::time::Duration;
 
 use ademan::calibrate::{
-    CalibrationError, CalibrationResult, Observations, PoseMark, Problem, Procedure, fit,
-    observe_recording,
+    CalibrationError, CalibrationResult, Observations, PoseMark, Problem, Procedure,
+    at_their_fingers, finger_sensors, fit, observe_recording,
 };
 use ademan::capture::Channels;
 use ademan::device::Events;
@@ -323,6 +323,32 @@ fn swapped_sensors_of_two_fingers_are_found_by_bending_single_fingers() {
         text.contains("channels 9 (") && text.contains(") and 52 ("),
         "{text}"
     );
+}
+
+#[test]
+fn exchanged_sensors_are_put_right_and_sound_gloves_stay_as_they_are() {
+    let map = shipped();
+    let mut errors = Vec::new();
+    for seed in 0..20 {
+        let mut sound = person(seed);
+        let all_sound = guide(&mut sound, procedure().with_single_fingers(&map));
+        let sensors = finger_sensors(&all_sound.observations, &map).unwrap();
+        assert_eq!(
+            at_their_fingers(&sensors, &map),
+            None,
+            "{seed}: {sensors:?}"
+        );
+
+        let mut wearer = person(seed).with_fault(GloveFault::Swapped(9, 52));
+        let run = guide(&mut wearer, procedure().with_single_fingers(&map));
+        let exchanged = finger_sensors(&run.observations, &map).unwrap();
+        let matched = at_their_fingers(&exchanged, &map);
+        let matched = matched.unwrap_or_else(|| panic!("{seed}: {exchanged:?}"));
+        let result = fit(&run.observations.without_single_fingers(), &matched);
+        errors.extend(joint_errors(&mut wearer, &result.unwrap().map));
+    }
+    let median = percentile(&errors, 0.5);
+    assert!(median <= 3.0, "{median}");
 }
 
 #[test]

@@ -26,6 +26,8 @@ pub type Bends = [f64; 5];
 pub struct Build {
     /// The counts of the straight and of the closed finger. They fall if its wires are exchanged.
     pub ranges: [(f64, f64); 5],
+    /// The finger of the sensor at each key, from the key `A` on.
+    pub order: [usize; 5],
     /// The largest difference of a count from the exact one.
     pub noise: i64,
     /// It sends a trigger, which the firmware derives from the index finger.
@@ -43,6 +45,7 @@ pub const BUILD: Build = Build {
         (810.0, 2950.0),
         (720.0, 2640.0),
     ],
+    order: [0, 1, 2, 3, 4],
     noise: 8,
     has_trigger: false,
     rest: "",
@@ -53,6 +56,7 @@ impl Build {
     pub fn line(&self, bends: Bends, random: &mut fastrand::Rng) -> String {
         let mut line = String::new();
         let mut index = 0;
+        let bends = self.order.map(|finger| bends[finger]);
         for ((key, bend), (straight, closed)) in ('A'..).zip(bends).zip(self.ranges) {
             let answer = bend.powf(0.93);
             let exact = straight + answer * (closed - straight);

@@ -7,7 +7,7 @@
 //! A [`Procedure`] leads through the [`CalibrationPose`]s that a glove needs. Each is captured once the hand is still, which the
 //! [`PoseCapture`] reads from the data. [`fit`] turns the [`Observations`] into gains and offsets, names the sensors with a
 //! fault, and rates the result. [`observe_recording`] finds the same observations in a recording. [`discover`] finds the joints of
-//! the channels of a glove without a file.
+//! the channels of a glove without a file, and [`finger_sensors`] the fingers of sensors whose plugs may be exchanged.
 //!
 //! A [`SensorRecording`] of repeated poses gives jitter, hysteresis, repeatability and drift of each sensor.
 //!
@@ -18,6 +18,7 @@
 mod capture;
 mod discovery;
 mod error;
+mod fingers;
 mod fit;
 mod observation;
 mod pose;
@@ -30,6 +31,7 @@ mod sensors;
 pub use capture::{CaptureState, LiveChannel, PoseCapture};
 pub use discovery::{DISCOVERY_POSES, Discovery, discover};
 pub use error::CalibrationError;
+pub use fingers::{FingerSensor, at_their_fingers, finger_sensors};
 pub use fit::{CalibrationResult, fit};
 pub use observation::{ChannelObservation, Observations, PoseObservation, rest_pose};
 pub use pose::{CalibrationPose, ExpectedAngle};

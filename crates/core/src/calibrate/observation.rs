@@ -62,6 +62,17 @@ impl Observations {
         self.poses.retain(|other| other.pose != pose);
     }
 
+    /// Returns the observations without the poses that bend one finger alone. Those tell the fingers apart, and are no measure of a
+    /// joint: the neighbours of a bent finger bend with it in part, as if their sensors followed it.
+    #[must_use]
+    pub fn without_single_fingers(&self) -> Self {
+        let poses = self.poses.iter();
+        let poses = poses.filter(|observed| observed.pose.bent_finger().is_none());
+        Self {
+            poses: poses.cloned().collect(),
+        }
+    }
+
     /// Returns the poses in the order in which they were held.
     pub fn poses(&self) -> &[PoseObservation] {
         &self.poses

@@ -151,6 +151,19 @@ impl ChannelMap {
         self
     }
 
+    /// Returns the map with the channel `new_channel(old)` in place of each channel `old` of its rows.
+    ///
+    /// # Panics
+    /// If a new channel is 64 or more, which no reading has.
+    #[must_use]
+    pub fn with_channels(mut self, new_channel: impl Fn(usize) -> usize) -> Self {
+        for row in &mut self.rows {
+            row.channel = new_channel(row.channel);
+            assert!(row.channel < MAX_CHANNELS);
+        }
+        self
+    }
+
     /// Sets whether counts are at the ends of their range in normal use, as in a glove that scales them itself. In other
     /// gloves such a count is a broken wire.
     #[must_use]

@@ -11,8 +11,8 @@ use crate::document::{Document, DocumentError, parse_ron};
 use crate::estimate::{ChannelMap, ChannelRow, CountRange, JointLimits};
 use crate::hand::{Dof, JointAngles};
 
-/// Returns the text of a glove with the calibrations of `map`, whose rows are those that are enabled in the text, in their order,
-/// and with the angles of `rest`, unless it has none.
+/// Returns the text of a glove with the channels and calibrations of `map`, whose rows are those that are enabled in the text, in their
+/// order, and with the angles of `rest`, unless it has none.
 ///
 /// `offset_rad` stays, and so does the spelling of numbers that do not change. Returns an error if the text is not a glove.
 pub fn write_calibration(
@@ -24,21 +24,22 @@ pub fn write_calibration(
     let raw: RawGlove = document.parse()?;
     let full_scale = f64::from(map.full_scale());
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
-    let mut edit = |field: &RawValue, new: f64| {
-        edits.push((byte_range(&document.text, field), new.to_string()));
+    let mut edit = |field: &RawValue, new: String| {
+        edits.push((byte_range(&document.text, field), new));
     };
     let enabled = raw.rows.iter().filter(|row| row.disabled.is_none());
     for ((raw_row, old_row), new) in enabled.zip(old.rows()).zip(map.rows()) {
+        if old_row.channel != new.channel {
+            edit(raw_row.channel, new.channel.to_string());
+        }
         if old_row.calibration == new.calibration {
             continue;
         }
         let offset_rad: f64 = parse_ron(raw_row.offset_rad.get_ron(), &document.file)?;
         let gain = written_gain(new.calibration.gain * full_scale);
-        edit(raw_row.full_scale_rad, gain);
-        edit(
-            raw_row.offset_counts,
-            offset_counts(new, gain / full_scale, offset_rad),
-        );
+        edit(raw_row.full_scale_rad, gain.to_string());
+        let offset = offset_counts(new, gain / full_scale, offset_rad);
+        edit(raw_row.offset_counts, offset.to_string());
     }
     let mut set = |name: &str, old_value: Option<&RawValue>, entries: Vec<String>| {
         edits.push(set_field(document, &raw, (name, old_value), &entries));
@@ -133,6 +134,8 @@ struct RawGlove<'a> {
 #[serde(rename = "Row")]
 struct RawRow<'a> {
     #[serde(borrow)]
+    channel: &'a RawValue,
+    #[serde(borrow)]
     offset_counts: &'a RawValue,
     #[serde(borrow)]
     full_scale_rad: &'a RawValue,
@@ -190,6 +193,19 @@ Glove(
     #[test]
     fn an_unchanged_calibration_changes_nothing() {
         assert_eq!(write(&document(), &map()), COMMENTED);
+    }
+
+    #[test]
+    fn exchanged_channels_are_written_and_read_again() {
+        let exchanged = map().with_channels(|channel| 3 - channel);
+        let text = write(&document(), &exchanged);
+        let expected = COMMENTED
+            .replace("channel: 1,", "channel: 0,")
+            .replace("channel: 2,", "channel: 1,")
+            .replace("channel: 0,", "channel: 2,");
+        assert_eq!(text, expected);
+        let read = Glove::parse(&Document::new("mine.ron", text)).unwrap();
+        assert_eq!(read.map.rows(), exchanged.rows());
     }
 
     #[test]

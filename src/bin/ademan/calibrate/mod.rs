@@ -40,7 +40,7 @@ use crate::{complete, messages, signals};
 /// Fit a glove file to a hand: take the poses that are shown, and hold each for a second
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n  ademan calibrate --discover --source 'tcp:localhost:10002' --out new-glove.ron\n  ademan calibrate --hysteresis cycles.mcap --glove my-glove.ron\n\nNothing is typed during a calibration. The readings are kept beside the glove file, and --from calibrates with them again."
+    after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --fingers --source 'serial:/dev/ttyUSB0?protocol=lucidgloves' --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n  ademan calibrate --discover --source 'tcp:localhost:10002' --out new-glove.ron\n  ademan calibrate --hysteresis cycles.mcap --glove my-glove.ron\n\nNothing is typed during a calibration. The readings are kept beside the glove file, and --from calibrates with them again."
 )]
 pub struct Args {
     /// Setup file
@@ -61,6 +61,9 @@ pub struct Args {
     /// Home-made glove of the simulated person: LucidGloves with a bend sensor for each finger
     #[arg(long, value_name = "KIND", requires = "demo", value_parser = home_made())]
     demo_glove: Option<HomeMadeGlove>,
+    /// Also bend each finger alone, which shows the sensor of each finger: exchanged ones are put right in the new file
+    #[arg(long, conflicts_with_all = ["from", "discover", "hysteresis"])]
+    fingers: bool,
     /// Find the channels of a glove without a file: bend one finger after the other. Calibrate with the new file afterwards
     #[arg(long, conflicts_with_all = ["from", "glove"])]
     discover: bool,
@@ -87,7 +90,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// Creates the arguments for a new glove file of a source, which starts from `glove`.
+    /// Creates the arguments for a new glove file of a source, which starts from `glove` and may have exchanged sensors.
     pub fn for_source(
         source: SourceUri,
         glove: Option<String>,
@@ -101,6 +104,7 @@ impl Args {
             from: None,
             demo: None,
             demo_glove: None,
+            fingers: true,
             discover: false,
             hysteresis: None,
             hand: Side::Right,
@@ -198,9 +202,22 @@ impl Start {
         observations: &Observations,
         destination: &Destination,
     ) -> Result<bool, Failure> {
-        let result = calibrate::fit(observations, &self.glove.map)?;
-        let text = report::report(&result, observations, &self.glove.map);
-        let rest = calibrate::rest_pose(observations, &result.map);
+        let sensors = calibrate::finger_sensors(observations, &self.glove.map);
+        let matched = sensors
+            .as_deref()
+            .and_then(|all| calibrate::at_their_fingers(all, &self.glove.map));
+        let guided = observations.without_single_fingers();
+        let fingers = match &sensors {
+            Some(all) => report::fingers(all, matched.is_some()),
+            None if guided != *observations => report::NOT_COMPARED.to_owned(),
+            None => String::new(),
+        };
+        // Without a reader the glove file is still written.
+        let _ = io::stdout().write_all(fingers.as_bytes());
+        let start = matched.as_ref().unwrap_or(&self.glove.map);
+        let result = calibrate::fit(&guided, start)?;
+        let text = report::report(&result, &guided, start);
+        let rest = calibrate::rest_pose(&guided, &result.map);
         let glove_text = layout::write_calibration(&self.document, &result.map, &rest)?;
         destination.write(&glove_text, &format!("{}\n\n", text.trim_end()))
     }
@@ -236,8 +253,11 @@ fn calibrate_live(args: Args) -> Result<Outcome, Failure> {
     signals::install()?;
     let feed = open_feed(&setup, &start.glove, (args.demo, args.demo_glove))?;
     let prepare = Duration::from_secs_f64(args.countdown);
-    let procedure = Procedure::for_glove(&start.glove.map, prepare);
     let glove = &start.glove;
+    let mut procedure = Procedure::for_glove(&glove.map, prepare);
+    if args.fingers {
+        procedure = procedure.with_single_fingers(&glove.map);
+    }
     let mut session = Session::new(&glove.name, glove.side, Some(&glove.map), procedure, feed);
     if let Outcome::Quit = session.run()? {
         return Ok(Outcome::Quit);
@@ -262,6 +282,12 @@ fn calibrate_live(args: Args) -> Result<Outcome, Failure> {
             out,
             "use it: ademan run --glove {file} --source {word}{layout}"
         )?;
+        if !args.fingers {
+            writeln!(
+                out,
+                "if another finger bends than yours: ademan calibrate --fingers --glove {file} --source {word}"
+            )?;
+        }
         if start.glove.map.hystereses().is_empty() && !start.glove.map.uses_full_range() {
             writeln!(
                 out,

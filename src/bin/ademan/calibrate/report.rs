@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use ademan::calibrate::{CalibrationResult, Observations};
+use ademan::calibrate::{CalibrationResult, FingerSensor, Observations};
 use ademan::estimate::{ChannelMap, ChannelRow};
+use ademan::hand::Finger;
 
 /// Returns the report of a calibration that started from `start`.
 pub fn report(
@@ -36,6 +37,46 @@ pub fn report(
         let name = new.dof.name();
         let _ = writeln!(text, "{name:<22}{counts:>11}  {before:>14}  {after:>14}");
     }
+    text
+}
+
+/// The report if a pose of a single finger was skipped.
+pub const NOT_COMPARED: &str =
+    "the sensors of the fingers were not compared: a pose that bends one finger was skipped\n\n";
+
+/// Returns the channels that follow each finger, and what the new file makes of exchanged ones. `is_matched` states that the new file
+/// has each sensor at its finger.
+pub fn fingers(sensors: &[FingerSensor], is_matched: bool) -> String {
+    let mut text = "finger   channels that follow it\n".to_owned();
+    for &finger in Finger::ALL {
+        let mut parts: Vec<String> = Vec::new();
+        for &stated in Finger::ALL {
+            let own = sensors.iter().filter(|sensor| sensor.stated == stated);
+            let own = own.filter(|sensor| sensor.followed == Some(finger));
+            let channels: Vec<String> = own.map(|sensor| sensor.channel.to_string()).collect();
+            let list = channels.join(", ");
+            if stated == finger && !channels.is_empty() {
+                parts.push(list);
+            } else if !channels.is_empty() {
+                parts.push(format!("{list} (starting glove: {stated})"));
+            }
+        }
+        let shown = if parts.is_empty() {
+            "none".to_owned()
+        } else {
+            parts.join(", ")
+        };
+        let _ = writeln!(text, "{:<9}{shown}", finger.name());
+    }
+    let is_moved = |sensor: &FingerSensor| sensor.followed.is_some_and(|it| it != sensor.stated);
+    if is_matched {
+        text.push_str("exchanged sensors: the new file has each at the finger that it follows\n");
+    } else if sensors.iter().any(is_moved) {
+        text.push_str(
+            "exchanged sensors: a finger has more sensors than in the starting glove, so the channels stay; exchange plugs, or numbers in the glove file\n",
+        );
+    }
+    text.push('\n');
     text
 }
 

@@ -18,6 +18,8 @@ named_enum! {
         Narrow = "narrow",
         /// The sensor of the ring finger has no contact: the glove sends the same count in every pose.
         Dead = "dead",
+        /// The plugs of the sensors of middle and ring finger are exchanged.
+        Swapped = "swapped",
         /// Long wires without a filter: noise of 1 % of the range, and spikes.
         Noisy = "noisy",
     }
@@ -88,13 +90,22 @@ impl HomeMadeSensors {
     pub(super) fn read(&self, angles: &JointAngles, random: &mut fastrand::Rng) -> Channels {
         let fields = Fields {
             curls: std::array::from_fn(|index| {
-                Some(self.count(Finger::ALL[index], angles, random))
+                Some(self.count(self.finger_at(Finger::ALL[index]), angles, random))
             }),
             ..Fields::default()
         };
         let line = fields.encode();
         let parsed = Fields::parse(line.as_bytes()).expect("a line with all fingers");
         parsed.channels(FULL_SCALE)
+    }
+
+    /// Returns the finger whose sensor is plugged in where the sensor of `finger` belongs.
+    fn finger_at(&self, finger: Finger) -> Finger {
+        match finger {
+            Finger::Middle if self.kind == HomeMadeGlove::Swapped => Finger::Ring,
+            Finger::Ring if self.kind == HomeMadeGlove::Swapped => Finger::Middle,
+            other => other,
+        }
     }
 
     fn count(&self, finger: Finger, angles: &JointAngles, random: &mut fastrand::Rng) -> i64 {
