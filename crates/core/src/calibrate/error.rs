@@ -1,7 +1,7 @@
 //! Errors of a calibration.
 
 use super::pose::CalibrationPose;
-use super::problem::Problem;
+use super::problem::{Problem, problem_messages};
 use crate::message::escape;
 
 /// The reason why no calibration comes of the data. Each message states what is wrong and what to do.
@@ -80,6 +80,5 @@ pub enum CalibrationError {
 }
 
 fn reasons(problems: &[Problem]) -> String {
-    let reasons: Vec<String> = problems.iter().map(Problem::to_string).collect();
-    reasons.join("; ")
+    problem_messages(problems).join("; ")
 }

@@ -35,7 +35,7 @@ pub use fingers::{FingerSensor, at_their_fingers, finger_sensors};
 pub use fit::{CalibrationResult, fit};
 pub use observation::{ChannelObservation, Observations, PoseObservation, rest_pose};
 pub use pose::{CalibrationPose, ExpectedAngle};
-pub use problem::{Problem, Severity};
+pub use problem::{Problem, Severity, problem_messages};
 pub use procedure::{Procedure, ProcedureState};
 pub use recorded::{MARKS_KIND, PoseMark, marks_from_text, marks_to_text, observe_recording};
 pub use sensors::{Drift, HoldCounts, MIN_CYCLES, SensorParameters, SensorRecording};

@@ -99,6 +99,21 @@ pub enum Problem {
 }
 
 impl Problem {
+    /// Returns the channel; `None` for a problem of two channels, or of a joint.
+    const fn channel(&self) -> Option<usize> {
+        match self {
+            Self::DeadChannel { channel, .. }
+            | Self::MissingChannel { channel, .. }
+            | Self::SmallRange { channel, .. }
+            | Self::InvertedChannel { channel, .. }
+            | Self::CrossTalk { channel, .. }
+            | Self::Restless { channel, .. } => Some(*channel),
+            Self::SwappedChannels { .. } | Self::NotObserved { .. } | Self::Implausible { .. } => {
+                None
+            }
+        }
+    }
+
     /// Returns the weight.
     pub fn severity(&self) -> Severity {
         match self {
@@ -129,6 +144,42 @@ impl Problem {
             Self::SwappedChannels { first, .. } => first.1,
         }
     }
+}
+
+/// Returns the messages of problems. Channels of one finger with the same fault share a message: a glove that sends one value for a
+/// finger has it in the channel of each joint.
+pub fn problem_messages(problems: &[Problem]) -> Vec<String> {
+    let mut groups: Vec<Vec<&Problem>> = Vec::new();
+    for problem in problems {
+        let mut like = groups.iter_mut();
+        match like.find(|group| has_same_fault(group[0], problem)) {
+            Some(group) => group.push(problem),
+            None => groups.push(vec![problem]),
+        }
+    }
+    let message = |group: &Vec<&Problem>| {
+        let others = group[1..].iter().filter_map(|other| other.channel());
+        let others: Vec<String> = others.map(|channel| channel.to_string()).collect();
+        match others.len() {
+            0 => group[0].to_string(),
+            1 => format!("{} (also channel {})", group[0], others[0]),
+            _ => format!("{} (also channels {})", group[0], others.join(", ")),
+        }
+    };
+    groups.iter().map(message).collect()
+}
+
+/// Returns `true` if the messages of two channels of one finger differ only in channel and joint.
+fn has_same_fault(one: &Problem, other: &Problem) -> bool {
+    let fault = |problem: &Problem| {
+        let subject = format!("channel {} ({})", problem.channel()?, problem.dof());
+        let message = problem.to_string();
+        message.strip_prefix(&subject).map(str::to_owned)
+    };
+    let finger = one.dof().finger();
+    finger.is_some()
+        && finger == other.dof().finger()
+        && fault(one).is_some_and(|words| Some(words) == fault(other))
 }
 
 impl fmt::Display for Problem {
@@ -188,5 +239,40 @@ impl fmt::Display for Problem {
                 "{dof} is at {degrees:.0}° in the pose `{pose}`, which no joint reaches: repeat the pose"
             ),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_of_one_finger_with_one_fault_share_a_message() {
+        let dead = |channel, dof, count| Problem::DeadChannel {
+            channel,
+            dof,
+            count,
+        };
+        let inverted = Problem::InvertedChannel {
+            channel: 24,
+            dof: Dof::RingPipFlexion,
+        };
+        let problems = [
+            dead(23, Dof::RingMcpFlexion, 85.0),
+            inverted.clone(),
+            dead(24, Dof::RingPipFlexion, 85.0),
+            dead(25, Dof::RingDipFlexion, 85.0),
+            dead(27, Dof::LittleMcpFlexion, 85.0),
+            dead(28, Dof::LittlePipFlexion, 86.0),
+            dead(4, Dof::WristFlexion, 85.0),
+        ];
+        let expected = [
+            format!("{} (also channels 24, 25)", problems[0]),
+            inverted.to_string(),
+            problems[4].to_string(),
+            problems[5].to_string(),
+            problems[6].to_string(),
+        ];
+        assert_eq!(problem_messages(&problems), expected);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use ademan::calibrate::{CalibrationResult, FingerSensor, Observations};
+use ademan::calibrate::{CalibrationResult, FingerSensor, Observations, Problem, problem_messages};
 use ademan::estimate::{ChannelMap, ChannelRow};
 use ademan::hand::Finger;
 
@@ -13,8 +13,12 @@ pub fn report(
     start: &ChannelMap,
 ) -> String {
     let mut text = format!("score {} of 100\n", result.score);
-    for problem in &result.problems {
-        let _ = writeln!(text, "- {problem}");
+    for message in problem_messages(&result.problems) {
+        let _ = writeln!(text, "- {message}");
+    }
+    let is_dead = |problem: &Problem| matches!(problem, Problem::DeadChannel { .. });
+    if result.problems.iter().any(is_dead) {
+        text.push_str("- a joint with a dead sensor is straight in the new file\n");
     }
     let _ = writeln!(
         text,

@@ -134,6 +134,12 @@ impl ChannelFit {
         fit_line(&straight.collect::<Vec<_>>())
     }
 
+    /// Returns the linear count at which a dead sensor stays. `None` for other sensors, and if the channel was not measured.
+    pub(super) fn dead_count(&self) -> Option<f64> {
+        let (low, high) = self.range.filter(|_| self.is_dead)?;
+        Some(self.linear(low.midpoint(high)))
+    }
+
     /// Returns the linear count of a count.
     pub(super) fn linear(&self, count: f64) -> f64 {
         self.linearity.apply(count)

@@ -124,7 +124,7 @@ fn curvatures(fits: &[ChannelFit], start: &ChannelMap) -> Vec<(usize, f64)> {
 }
 
 /// Returns the new calibration of a row. A row that no pose determines keeps the start's, in proportion to the other rows of its
-/// channel.
+/// channel. The joint of a dead sensor is straight: bent, it would keep a run from typing with the other fingers.
 fn calibration(
     row: &ChannelRow,
     fits: &[ChannelFit],
@@ -135,6 +135,13 @@ fn calibration(
     let own = fit.and_then(|fit| fit.rows.iter().find(|(dof, _)| *dof == row.dof));
     if let Some((_, calibration)) = own {
         return *calibration;
+    }
+    if let Some(count) = fit.and_then(ChannelFit::dead_count) {
+        let gain = row.calibration.gain;
+        return AffineMap {
+            gain,
+            offset: -gain * count,
+        };
     }
     let siblings = start.rows().iter();
     let sibling = siblings.filter(|other| other.channel == row.channel);

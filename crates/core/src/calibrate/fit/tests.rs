@@ -175,6 +175,9 @@ fn a_dead_sensor_of_a_finger_is_named_and_one_of_the_elbow_refused() {
         count: 85.0,
     };
     assert_eq!(result.problems, [expected]);
+    let ring = row(&result.map, Dof::RingMcpFlexion);
+    let stuck = result.map.radians(ring, 85.0);
+    assert!(stuck.abs() < 1e-9, "the finger is not bent: {stuck}");
     let error = fit(&dead(17), &shipped()).unwrap_err();
     assert!(
         error
