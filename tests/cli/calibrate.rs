@@ -121,6 +121,24 @@ fn a_glove_file_of_the_person_is_the_default_destination() {
 }
 
 #[test]
+fn a_left_hand_starts_from_the_left_glove() {
+    let folder = folder();
+    let demo = ["--demo", "--hand", "left"];
+    let curls = [&demo[..], &["--demo-glove", "curls"]].concat();
+    for (arguments, file) in [
+        (&demo[..], "my-unam-hc11-left.ron"),
+        (&curls[..], "my-lucidgloves-left.ron"),
+    ] {
+        let (code, out, errors) = calibrate(&folder, arguments);
+        assert_eq!(code, 0, "{out}{errors}");
+        let glove = Glove::parse(&Document::new(file, read(&folder, file)));
+        assert_eq!(glove.expect("a glove").side, Side::Left);
+    }
+    let named = [&demo[..], &["--glove", "unam-hc11"]].concat();
+    assert_eq!(calibrate(&folder, &named).0, 2, "the file states its hand");
+}
+
+#[test]
 fn a_glove_with_a_dead_sensor_is_refused_with_the_reason_and_nothing_is_written() {
     let folder = folder();
     let shipped = Document::open("unam-hc11").expect("a glove");

@@ -27,13 +27,14 @@ const NAME: &str = "glove";
 pub fn run(args: Args) -> Result<Outcome, Failure> {
     let setup = args.load_setup()?;
     let like = similar_glove(&setup, &args)?;
+    let side = args.side();
     let destination = Destination::new(args.out, &Document::new(NAME, ""), args.force)?;
     messages::start()?;
     signals::install()?;
     let feed = open_feed(&setup, &like, (args.demo, args.demo_glove))?;
     let prepare = Duration::from_secs_f64(args.countdown);
     let procedure = Procedure::for_unknown_glove(DISCOVERY_POSES, like.map.inputs(), prepare);
-    let mut session = Session::new("an unknown glove", args.hand, None, procedure, feed);
+    let mut session = Session::new("an unknown glove", side, None, procedure, feed);
     if let Outcome::Quit = session.run()? {
         return Ok(Outcome::Quit);
     }
@@ -44,7 +45,7 @@ pub fn run(args: Args) -> Result<Outcome, Failure> {
         map: &like.map,
         assumed: assumed_angles(&discovery, &like.map, observations),
     });
-    let text = glove_text(&discovery, destination.path(), args.hand, full_scale, known);
+    let text = glove_text(&discovery, destination.path(), side, full_scale, known);
     if destination.write(&text, &report(&discovery))? {
         let file = destination.as_word();
         let mut out = io::stdout();
@@ -56,7 +57,7 @@ pub fn run(args: Args) -> Result<Outcome, Failure> {
 /// Returns the glove that comes with the program for such a source: every glove with this protocol has
 /// its channels of sticks and buttons, and the arm that they do not measure.
 fn similar_glove(setup: &LoadedSetup, args: &Args) -> Result<Glove, Failure> {
-    let worn = match (args.demo, args.hand) {
+    let worn = match (args.demo, args.side()) {
         (Some(_), Side::Left) if args.demo_glove.is_none() => Some("unam-hc11-left"),
         (Some(_), Side::Right) if args.demo_glove.is_none() => Some("unam-hc11"),
         _ => None,

@@ -71,9 +71,9 @@ pub struct Args {
     /// percentage of the ranges of the fingers, such as 4%
     #[arg(long, value_name = "RECORDING|PERCENT", conflicts_with_all = ["from", "demo", "discover", "source"], add = complete::recording())]
     hysteresis: Option<Hysteresis>,
-    /// Hand of the glove whose channels are found
-    #[arg(long, default_value = "right", requires = "discover", value_parser = side())]
-    hand: Side,
+    /// Start from the glove for this hand that comes with the program; with --discover, the hand of the glove whose channels are found
+    #[arg(long, conflicts_with_all = ["from", "glove", "hysteresis"], value_parser = side())]
+    hand: Option<Side>,
     /// Time before each pose, in seconds
     #[arg(long, value_name = "S", default_value = "3", value_parser = seconds)]
     countdown: f64,
@@ -107,7 +107,7 @@ impl Args {
             fingers: true,
             discover: false,
             hysteresis: None,
-            hand: Side::Right,
+            hand: None,
             countdown,
             source: Some(source),
             glove,
@@ -123,8 +123,13 @@ impl Args {
         self
     }
 
+    /// Returns the hand of a glove that is simulated or has no file.
+    fn side(&self) -> Side {
+        self.hand.unwrap_or(Side::Right)
+    }
+
     fn load_setup(&self) -> Result<LoadedSetup, Failure> {
-        let worn = self.demo_glove.map(|_| match self.hand {
+        let worn = self.demo_glove.map(|_| match self.side() {
             Side::Left => "lucidgloves-left".to_owned(),
             Side::Right => "lucidgloves".to_owned(),
         });
@@ -138,6 +143,9 @@ impl Args {
             && let Some(glove) = &self.glove
         {
             setup.source = source_of(glove, &setup)?;
+        }
+        if let Some(side) = self.hand.filter(|_| !self.discover) {
+            setup.glove = Setup::for_hand(setup.source.clone(), side, None).glove;
         }
         setup.glove = self.glove.clone().or(worn).or(setup.glove);
         setup.other_hand = None;
