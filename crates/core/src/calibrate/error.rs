@@ -2,6 +2,7 @@
 
 use super::pose::CalibrationPose;
 use super::problem::{Problem, problem_messages};
+use crate::hand::Finger;
 use crate::message::escape;
 
 /// The reason why no calibration comes of the data. Each message states what is wrong and what to do.
@@ -35,7 +36,7 @@ pub enum CalibrationError {
         expected: u16,
     },
     /// Joints of the hand cannot be used.
-    #[error("the calibration is not usable: {}", reasons(.problems))]
+    #[error("the calibration is not usable: {}{}", reasons(.problems), advice(.problems))]
     Unusable {
         /// The problems.
         problems: Vec<Problem>,
@@ -79,6 +80,55 @@ pub enum CalibrationError {
     },
 }
 
+/// The parts of a hand without a working sensor from which on the glove file is probably of another glove.
+const MANY_PARTS: usize = 3;
+
+/// Returns the advice if the channels of many parts of the hand carry nothing; empty otherwise.
+fn advice(problems: &[Problem]) -> &'static str {
+    let is_idle = |problem: &&Problem| {
+        matches!(
+            problem,
+            Problem::DeadChannel { .. } | Problem::MissingChannel { .. }
+        )
+    };
+    let idle = problems.iter().filter(is_idle);
+    let mut parts: Vec<Option<Finger>> = idle.map(|problem| problem.dof().finger()).collect();
+    parts.sort_unstable();
+    parts.dedup();
+    if parts.len() < MANY_PARTS {
+        return "";
+    }
+    "; if the hand took the poses, the glove has other channels than the glove file: find them with `ademan calibrate --discover`, \
+     and name the new file with `--glove`"
+}
+
 fn reasons(problems: &[Problem]) -> String {
     problem_messages(problems).join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hand::Dof;
+
+    #[test]
+    fn a_glove_without_counts_in_many_parts_is_to_be_discovered() {
+        let dead = |channel, dof| Problem::DeadChannel {
+            channel,
+            dof,
+            count: 0.0,
+        };
+        let mut problems = vec![
+            dead(1, Dof::IndexMcpFlexion),
+            dead(2, Dof::IndexPipFlexion),
+            dead(3, Dof::ElbowFlexion),
+        ];
+        let message =
+            |found: Vec<Problem>| CalibrationError::Unusable { problems: found }.to_string();
+        let few = message(problems.clone());
+        assert!(!few.contains("--discover"), "{few}");
+        problems.push(dead(4, Dof::RingMcpFlexion));
+        let many = message(problems);
+        assert!(many.contains("`ademan calibrate --discover`"), "{many}");
+    }
 }
