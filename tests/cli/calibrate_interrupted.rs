@@ -8,10 +8,12 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
-use crate::ademan;
+use crate::support::glove::Glove;
 use crate::support::process::{Process, signal};
+use crate::support::run::postures;
 use crate::terminal::ends;
 use crate::view::{screen::Screen, set_terminal};
+use crate::{ademan, text};
 
 /// The content of the file that a calibration would replace.
 const PRECIOUS: &str = "precious";
@@ -108,6 +110,29 @@ fn a_signal_ends_a_calibration_and_nothing_is_overwritten() {
         assert!(screen.text().contains("no file was written"), "{name}");
         assert_unchanged(&folder);
     }
+}
+
+#[test]
+fn a_glove_that_falls_silent_is_named_until_it_sends_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let port = folder.path().join("port");
+    let (clear, _) = postures();
+    let glove = Glove::plug_in(&port, clear);
+    let source = format!("serial:{}", text(&port));
+    let mut command = ademan(["calibrate", "--countdown", "30", "--source", &source]);
+    command.args(["--out", "mine"]).current_dir(folder.path());
+    set_terminal(&mut command);
+    let mut screen = Screen::start(&command, 80, 24);
+    screen.wait_for_text("get ready");
+    glove.stop_sending();
+    screen.wait_for_text("no readings arrive");
+    glove.play(&[clear]);
+    screen.wait_until("the message is gone", |shown| {
+        shown.contains("get ready") && !shown.contains("no readings arrive")
+    });
+    screen.type_keys("q");
+    assert_eq!(screen.wait().code(), Some(1));
+    screen.assert_restored();
 }
 
 #[test]

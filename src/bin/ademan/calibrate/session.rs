@@ -27,6 +27,12 @@ const PICTURE_PERIOD: Duration = Duration::from_millis(34);
 /// The readings of a session: the times and the counts of all channels.
 pub type Readings = Vec<(Timestamp, Channels)>;
 
+/// The time without a reading after which a message says so.
+const SILENCE: Duration = Duration::from_secs(2);
+
+/// The message about a source that has sent readings and sends none now.
+const SILENT: &str = "no readings arrive: check that the glove is connected and on; the pose starts again with the next one";
+
 /// Readings that are kept, some 60 MB: a person may leave the glove for hours before a pose.
 const MAX_READINGS: usize = 400_000;
 
@@ -51,6 +57,8 @@ pub struct Session<'a> {
     message: String,
     /// `true` once the source was lost.
     was_lost: bool,
+    /// The time at which the latest reading came.
+    heard_at: Option<Instant>,
 }
 
 impl<'a> Session<'a> {
@@ -71,6 +79,7 @@ impl<'a> Session<'a> {
             feed,
             state: CaptureState::Moving,
             was_lost: false,
+            heard_at: None,
         }
     }
 
@@ -179,6 +188,7 @@ impl<'a> Session<'a> {
             FeedEvent::Channels(time, channels) => {
                 self.check_shape(&channels)?;
                 self.message.clear();
+                self.heard_at = Some(Instant::now());
                 let state = self.procedure.push(time, &channels);
                 if self.readings.len() >= MAX_READINGS {
                     let marks = self.procedure.marks();
@@ -208,8 +218,13 @@ impl<'a> Session<'a> {
         Ok(self.procedure.pose().is_none().then_some(()))
     }
 
-    /// Shows why the first reading does not come, as far as the source has found out. The screen holds back its warnings.
+    /// Shows that no more readings come, or why the first one does not, as far as the source has found out. The screen holds back its
+    /// warnings.
     fn show_warning(&mut self) {
+        let is_silent = |heard_at: Instant| heard_at.elapsed() >= SILENCE;
+        if self.heard_at.is_some_and(is_silent) && self.message.is_empty() {
+            self.message = SILENT.to_owned();
+        }
         if !self.readings.is_empty() || self.was_lost {
             return;
         }
