@@ -67,7 +67,9 @@ pub struct Lesson {
     /// The name in the history.
     pub name: &'static str,
     pub text: String,
-    /// The fingers that type each character, in a lesson of chords.
+    /// The fingers that type each character, if some characters are chords of bent fingers.
+    pub fingers: ChordLegend,
+    /// The same in a lesson of chords, which rates them; otherwise empty.
     pub chords: ChordLegend,
     /// `true` if a text decoder finds the letters of multitap keys from one tap each.
     pub finds_letters: bool,
@@ -111,13 +113,15 @@ impl Lesson {
                 format!("`{layout_name}` types a character with several taps of a key, and practice counts one press for each character; {remedy}")
             })
         })?;
+        let fingers = legend(&text, layout);
         let chords = match args.lesson {
-            Some(LessonKind::Chords) => legend(&text, layout),
+            Some(LessonKind::Chords) => fingers.clone(),
             _ => ChordLegend::new(),
         };
         Ok(Self {
             name,
             text,
+            fingers,
             chords,
             finds_letters,
         })
@@ -170,9 +174,10 @@ fn without_accents(text: &str, can_type: impl Fn(&str) -> bool) -> String {
     plainer
 }
 
-/// Returns the fingers of each character of a text that fingers type together.
+/// Returns the fingers of each character of a text that bent fingers type. Empty if none of them is a chord: the board shows the key of
+/// each character then.
 fn legend(text: &str, layout: &Layout) -> ChordLegend {
-    let fingers = |character: char| {
+    let fingers_of = |character: char| {
         let strokes = taps_for_text(&character.to_string(), layout, false).ok()?;
         let targets: Vec<TargetId> = match strokes.as_slice() {
             [HandAction::Chord(targets)] => targets.clone(),
@@ -184,9 +189,15 @@ fn legend(text: &str, layout: &Layout) -> ChordLegend {
             .filter_map(|target| layout.scene.target(target)?.0.bent_by(target))
             .collect();
         fingers.sort_by_key(|finger| finger.index());
-        Some((character, fingers))
+        (!fingers.is_empty()).then_some((character, fingers))
     };
-    text.chars().filter_map(fingers).collect()
+    let legend: ChordLegend = text.chars().filter_map(fingers_of).collect();
+    let mut known = legend.values();
+    if known.any(|chord| chord.len() > 1) {
+        legend
+    } else {
+        ChordLegend::new()
+    }
 }
 
 /// Returns the characters that several fingers type together, each three times, few fingers first.
@@ -313,6 +324,18 @@ mod tests {
         let place = groups.iter().position(|group| *group == "qqq").unwrap();
         assert!(place >= 10, "q takes four fingers: {text}");
         assert!(chords(&Layout::load("qwerty-flat").unwrap()).is_err());
+    }
+
+    #[test]
+    fn the_fingers_of_a_text_are_known_if_some_bend_together() {
+        let layout = Layout::load("chords-bend").unwrap();
+        let fingers = legend("the X", &layout);
+        assert_eq!(fingers[&'t'], [Finger::Middle]);
+        assert_eq!(fingers[&'h'], [Finger::Middle, Finger::Ring]);
+        assert_eq!(fingers[&' '], [Finger::Thumb]);
+        assert!(!fingers.contains_key(&'X'), "Shift is a chord before it");
+        let keys = Layout::load("qwerty-flat").unwrap();
+        assert!(legend("the X", &keys).is_empty());
     }
 
     #[test]

@@ -31,8 +31,10 @@ pub struct PracticeLine {
     corrected: BTreeMap<char, usize>,
     /// Characters that were deleted again.
     deletions: usize,
-    /// The fingers of each character, in a lesson of chords.
-    chords: ChordLegend,
+    /// The fingers of each character, if some are chords.
+    fingers: ChordLegend,
+    /// `true` in a lesson of chords, which shows the progress of each.
+    rates_chords: bool,
     /// `true` if a text decoder finds the letters of multitap keys from one tap each.
     finds_letters: bool,
 }
@@ -69,14 +71,23 @@ impl PracticeLine {
             last: Timestamp(0),
             corrected: BTreeMap::new(),
             deletions: 0,
-            chords: ChordLegend::new(),
+            fingers: ChordLegend::new(),
+            rates_chords: false,
             finds_letters: false,
         }
     }
 
-    /// Shows the fingers of the next character, and the progress of each chord.
-    pub fn with_chords(self, chords: ChordLegend) -> Self {
-        Self { chords, ..self }
+    /// Shows the fingers of the next character, unless none are known.
+    pub fn with_fingers(self, fingers: ChordLegend) -> Self {
+        Self { fingers, ..self }
+    }
+
+    /// Shows the progress of each chord too.
+    pub fn with_rated_chords(self, rates_chords: bool) -> Self {
+        Self {
+            rates_chords,
+            ..self
+        }
     }
 
     /// Counts no deleted letter as an error if a text decoder finds the letters: it changes them until the word ends.
@@ -170,18 +181,20 @@ impl PracticeLine {
         scores
     }
 
-    /// Returns the chord to hold, and the correct and all attempts of the latest chords.
-    fn chord_lines(&self, typed: usize) -> Vec<String> {
-        let hold = match self
-            .text
-            .get(typed)
-            .map(|next| (next, self.chords.get(next)))
-        {
+    /// Returns the fingers to bend for the next character.
+    fn hold_line(&self, typed: usize) -> String {
+        let wanted = self.text.get(typed);
+        match wanted.map(|it| (it, self.fingers.get(it))) {
             Some((next, Some(fingers))) => {
                 format!("hold     {} for {}", names(fingers), shown(*next))
             }
-            _ => "hold     nothing more".to_owned(),
-        };
+            Some((next, None)) => format!("hold     several chords for {}", shown(*next)),
+            None => "hold     nothing more".to_owned(),
+        }
+    }
+
+    /// Returns the correct and all attempts of the latest chords.
+    fn progress_line(&self, typed: usize) -> String {
         let mut latest: Vec<char> = Vec::new();
         for &character in self.text.iter().take(typed).rev() {
             if !latest.contains(&character) && character != ' ' {
@@ -195,7 +208,7 @@ impl PracticeLine {
             Some(score.correct_of())
         });
         let progress: Vec<String> = progress.collect();
-        vec![hold, format!("chords   {}", progress.join("  "))]
+        format!("chords   {}", progress.join("  "))
     }
 }
 
@@ -235,8 +248,11 @@ impl PracticeTask for PracticeLine {
                 errors(rate, edits)
             ),
         ];
-        if !self.chords.is_empty() {
-            lines.extend(self.chord_lines(typed.len()));
+        if !self.fingers.is_empty() {
+            lines.push(self.hold_line(typed.len()));
+        }
+        if self.rates_chords {
+            lines.push(self.progress_line(typed.len()));
         }
         lines
     }
@@ -345,6 +361,18 @@ mod tests {
         assert_eq!(lines[1], "typed    ho");
         assert!(lines[2].starts_with("2 of 12 characters · "), "{lines:?}");
         assert!(lines[2].contains("0.0 % errors"), "{lines:?}");
+    }
+
+    #[test]
+    fn the_fingers_of_the_next_character_are_shown() {
+        let fingers: ChordLegend = [('h', vec![Finger::Middle, Finger::Ring])].into();
+        let mut line = PracticeLine::new("hH").with_fingers(fingers);
+        assert_eq!(line.lines()[3..], ["hold     middle + ring for h"]);
+        type_keys(&mut line, &["H"]);
+        assert_eq!(line.lines()[3..], ["hold     several chords for H"]);
+        let mut rated = PracticeLine::new("h").with_rated_chords(true);
+        type_keys(&mut rated, &["H"]);
+        assert_eq!(rated.lines()[3..], ["chords   h 1/1"]);
     }
 
     #[test]
