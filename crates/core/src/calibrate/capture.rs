@@ -26,10 +26,13 @@ const MIN_READINGS: usize = 8;
 /// The change between the halves of a window that no tremor explains, as a fraction of the full scale: 1.5 counts of 255.
 const STILL: f64 = 0.006;
 
+/// The smallest change of a count between two poses that move its joint, as a fraction of the full scale: three counts of 255.
+const MOVED: f64 = 0.012;
+
 /// The progress of a capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CaptureState {
-    /// The person gets ready: the countdown of this time runs.
+    /// The person gets ready: the countdown of this time runs. With no time left, the hand is still in the pose before.
     Preparing(Duration),
     /// The hand moves.
     Moving,
@@ -96,6 +99,8 @@ pub struct PoseCapture {
     window: VecDeque<(Timestamp, Vec<u16>)>,
     /// Channels that no packet of the pose carried.
     unsent: ChannelSet,
+    /// Channels that the pose moves, with their counts in the pose before.
+    before: Vec<(usize, f64)>,
     state: CaptureState,
     observation: Option<PoseObservation>,
 }
@@ -111,9 +116,16 @@ impl PoseCapture {
             checked_at: None,
             window: VecDeque::new(),
             unsent: ChannelSet::ALL,
+            before: Vec::new(),
             state: CaptureState::Preparing(prepare),
             observation: None,
         }
+    }
+
+    /// Waits some seconds for a hand that is still in the pose before: for a change of one of these channels from its count there.
+    #[must_use]
+    pub fn after(self, before: Vec<(usize, f64)>) -> Self {
+        Self { before, ..self }
     }
 
     /// Adds a reading and returns the progress. Readings after the capture change nothing.
@@ -180,6 +192,8 @@ impl PoseCapture {
             let half = self.window.len() / 2;
             self.window.drain(..half);
             self.state = CaptureState::Moving;
+        } else if is_strict && self.is_in_pose_before(&observed, full_scale) {
+            self.state = CaptureState::Preparing(Duration::ZERO);
         } else {
             let held = self
                 .span()
@@ -198,6 +212,16 @@ impl PoseCapture {
                 });
             }
         }
+    }
+
+    /// Returns `true` if none of the channels has moved that the pose moves.
+    fn is_in_pose_before(&self, observed: &[ChannelObservation], full_scale: u16) -> bool {
+        let least = MOVED * f64::from(full_scale);
+        let is_unmoved = |(channel, count): &(usize, f64)| {
+            let mut present = observed.iter().filter(|it| it.channel == *channel);
+            present.all(|it| (it.median - count).abs() < least)
+        };
+        !self.before.is_empty() && self.before.iter().all(is_unmoved)
     }
 }
 

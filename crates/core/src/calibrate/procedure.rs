@@ -8,10 +8,15 @@ use super::pose::CalibrationPose;
 use super::recorded::PoseMark;
 use crate::capture::{Channels, MAX_CHANNELS};
 use crate::estimate::{ChannelMap, InputRow};
+use crate::hand::Dof;
 use crate::time::Timestamp;
 
 /// The longest gap between two readings of one pose. After a longer one the hand was not seen, and the pose starts again.
 const MAX_GAP: Duration = Duration::from_secs(1);
+
+/// The smallest angle between two poses, in radians, by which a hand that takes the second one is told from a hand that has not moved:
+/// 40°. Fingers at rest may be straight already.
+const LARGE_TURN: f64 = 0.7;
 
 /// The state of a procedure after a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +33,8 @@ pub enum ProcedureState {
 pub struct Procedure {
     poses: Vec<CalibrationPose>,
     channels: Vec<usize>,
+    /// The joints of the channels; none for an unknown glove.
+    joints: Vec<(Dof, usize)>,
     prepare: Duration,
     index: usize,
     capture: Option<PoseCapture>,
@@ -43,7 +50,11 @@ impl Procedure {
     pub fn for_glove(map: &ChannelMap, prepare: Duration) -> Self {
         let poses = CalibrationPose::GUIDED.iter().copied();
         let poses = poses.filter(|pose| pose.is_needed_for(map)).collect();
-        Self::new(poses, map.angle_channels(), prepare)
+        let rows = map.rows().iter();
+        Self {
+            joints: rows.map(|row| (row.dof, row.channel)).collect(),
+            ..Self::new(poses, map.angle_channels(), prepare)
+        }
     }
 
     /// Adds the poses of single fingers, which find swapped sensors of fingers that bend together in all other poses.
@@ -73,6 +84,7 @@ impl Procedure {
             live: live.collect(),
             poses,
             channels,
+            joints: Vec::new(),
             prepare,
             index: 0,
             capture: None,
@@ -94,7 +106,10 @@ impl Procedure {
         if latest.is_some_and(|latest| time.since(latest) > MAX_GAP) {
             self.capture = None;
         }
-        let new = || PoseCapture::new(pose, &self.channels, self.prepare);
+        let new = || {
+            let before = counts_before(pose, &self.observations, &self.joints);
+            PoseCapture::new(pose, &self.channels, self.prepare).after(before)
+        };
         let capture = self.capture.get_or_insert_with(new);
         let state = capture.push(time, channels);
         if state == CaptureState::Captured {
@@ -174,23 +189,49 @@ impl Procedure {
     }
 }
 
+/// Returns the channels whose joints turn by a large angle from the pose before to `pose`, with their counts in the pose before.
+fn counts_before(
+    pose: CalibrationPose,
+    observations: &Observations,
+    joints: &[(Dof, usize)],
+) -> Vec<(usize, f64)> {
+    let Some(before) = observations.poses().last() else {
+        return Vec::new();
+    };
+    let turns = |dof: Dof| {
+        let is_known = !before.pose.leaves_free(dof) && !pose.leaves_free(dof);
+        let turn = pose.expected(dof).radians - before.pose.expected(dof).radians;
+        is_known && turn.abs() >= LARGE_TURN
+    };
+    let turned = joints.iter().filter(|(dof, _)| turns(*dof));
+    let count = |(_, channel): &(Dof, usize)| {
+        let seen = before.channel(*channel).filter(|it| it.is_sent)?;
+        Some((*channel, seen.median))
+    };
+    turned.filter_map(count).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::document::Document;
     use crate::layout::Glove;
 
+    /// Pushes a reading with this count of all channels.
+    fn push(procedure: &mut Procedure, packet: u64, count: u16) -> ProcedureState {
+        let channels = Channels {
+            full_scale: 4095,
+            counts: std::iter::repeat_n(count, MAX_CHANNELS).collect(),
+            unsent: Default::default(),
+        };
+        procedure.push(Timestamp(packet * 10_000), &channels)
+    }
+
     /// A hand that holds one posture after the other for 3 s each.
     fn run(procedure: &mut Procedure, packets: std::ops::Range<u64>) -> Vec<CalibrationPose> {
         let mut captured = Vec::new();
         for packet in packets {
-            let count = 40 + 10 * procedure.index() as u16;
-            let channels = Channels {
-                full_scale: 4095,
-                counts: std::iter::repeat_n(count, MAX_CHANNELS).collect(),
-                unsent: Default::default(),
-            };
-            let state = procedure.push(Timestamp(packet * 10_000), &channels);
+            let state = push(procedure, packet, 40 + 100 * procedure.index() as u16);
             if let ProcedureState::Pose(pose, CaptureState::Captured) = state {
                 captured.push(pose);
             }
@@ -215,7 +256,7 @@ mod tests {
         let marks = procedure.marks();
         assert!(marks.windows(2).all(|pair| pair[0].end < pair[1].start));
         let fist = procedure.observations().get(CalibrationPose::Fist).unwrap();
-        assert_eq!(fist.median(10), Some(70.0));
+        assert_eq!(fist.median(10), Some(340.0));
     }
 
     #[test]
@@ -229,6 +270,26 @@ mod tests {
             "the program was stopped"
         );
         assert_eq!(run(&mut procedure, 5_190..5_210), [CalibrationPose::Rest]);
+    }
+
+    #[test]
+    fn a_hand_that_stays_in_the_pose_before_is_waited_for_some_seconds() {
+        use CalibrationPose::{Fist, Flat, Rest, Spread};
+        let mut slow = procedure();
+        assert_eq!(run(&mut slow, 0..605), [Rest, Flat, Spread]);
+        let mut state = ProcedureState::Finished;
+        for packet in 605..1_000 {
+            state = push(&mut slow, packet, 240);
+        }
+        let waits = ProcedureState::Pose(Fist, CaptureState::Preparing(Duration::ZERO));
+        assert_eq!(state, waits);
+        assert_eq!(run(&mut slow, 1_000..1_200), [Fist]);
+        // The sensors of a glove may be dead.
+        let mut unmoved = procedure();
+        assert_eq!(run(&mut unmoved, 0..605), [Rest, Flat, Spread]);
+        let captured = ProcedureState::Pose(Fist, CaptureState::Captured);
+        let found = (605..1_320).find(|&packet| push(&mut unmoved, packet, 240) == captured);
+        assert!(found.is_some_and(|packet| packet > 1_200), "{found:?}");
     }
 
     #[test]

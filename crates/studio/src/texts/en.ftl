@@ -357,6 +357,7 @@ calibration-is-demo = Demonstration with a simulated person
 calibration-none = This source needs no glove file, so there is nothing to calibrate.
 calibration-pose = Pose { $number } of { $count }
 calibration-prepare = Get ready: { $seconds }
+calibration-take = Take the pose
 calibration-moving = Hold still
 calibration-holding = Hold still …
 calibration-done = Done

@@ -357,6 +357,7 @@ calibration-is-demo = Demostración con una persona simulada
 calibration-none = Esta fuente no necesita archivo de guante; no hay nada que calibrar.
 calibration-pose = Pose { $number } de { $count }
 calibration-prepare = Prepárese: { $seconds }
+calibration-take = Adopte la pose
 calibration-moving = No se mueva
 calibration-holding = No se mueva …
 calibration-done = Listo

@@ -147,6 +147,7 @@ impl Screen<'_> {
 
     fn status(&self) -> Line<'static> {
         let words = match self.state {
+            CaptureState::Preparing(left) if left.is_zero() => " take the pose".to_owned(),
             CaptureState::Preparing(left) => {
                 format!(" get ready: {}", left.as_secs_f32().ceil())
             }

@@ -76,6 +76,9 @@ fn sign(progress: PoseProgress) -> char {
 /// Shows the countdown, or the time for which the hand has been still, as words and a bar.
 fn show_state(ui: &mut egui::Ui, state: CaptureState) {
     let (words, fraction) = match state {
+        CaptureState::Preparing(left) if left.is_zero() => {
+            (text("calibration-take").to_owned(), 0.0)
+        }
         CaptureState::Preparing(left) => {
             let seconds = left.as_secs_f32().ceil();
             let words = text_with("calibration-prepare", &[("seconds", seconds.into())]);
