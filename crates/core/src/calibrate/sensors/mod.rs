@@ -27,7 +27,7 @@ mod parameters;
 
 use self::holds::holds;
 pub use self::parameters::{Drift, HoldCounts, MIN_CYCLES, SensorParameters};
-use crate::capture::Channels;
+use crate::capture::{ChannelSet, Channels};
 use crate::time::Timestamp;
 
 /// The most counts that are kept: 40 minutes of 22 channels at 175 readings per second.
@@ -42,6 +42,8 @@ pub struct SensorRecording {
     times: Vec<Timestamp>,
     /// The counts by position in `channels`, then by reading.
     counts: Vec<Vec<u16>>,
+    /// Channels that no reading has carried.
+    unsent: ChannelSet,
     ignored: usize,
 }
 
@@ -54,6 +56,7 @@ impl SensorRecording {
             full_scale: 0,
             times: Vec::new(),
             counts: vec![Vec::new(); counts],
+            unsent: ChannelSet::ALL,
             ignored: 0,
         }
     }
@@ -79,6 +82,7 @@ impl SensorRecording {
             return;
         }
         self.times.push(time);
+        self.unsent = self.unsent.intersection(reading.unsent);
         for (counts, &channel) in self.counts.iter_mut().zip(channels.iter()) {
             let count = reading.counts.get(channel).copied();
             counts.push(count.unwrap_or(Channels::UNKNOWN));
@@ -100,11 +104,13 @@ impl SensorRecording {
         self.full_scale
     }
 
-    /// Returns the parameters of each channel, in the order of the channels.
+    /// Returns the parameters of each channel, in the order of the channels, without those that no reading has carried.
     pub fn parameters(&self) -> Vec<SensorParameters> {
+        let is_empty = self.times.is_empty();
         let channels = self.channels.iter().flatten();
         channels
             .zip(&self.counts)
+            .filter(|(channel, _)| is_empty || !self.unsent.contains(**channel))
             .map(|(&channel, counts)| {
                 let holds = holds(&self.times, counts, self.full_scale);
                 SensorParameters::new(channel, self.full_scale, &holds)

@@ -83,6 +83,22 @@ fn assert_close(value: f64, expected: f64, tolerance: f64) {
 }
 
 #[test]
+fn a_channel_that_the_glove_does_not_send_has_no_parameters() {
+    let mut recording = SensorRecording::new(Some(vec![0, 1]));
+    let mut unsent = ChannelSet::NONE;
+    unsent.insert(1);
+    let channels = Channels {
+        full_scale: 4_095,
+        counts: [700, 2_047].into_iter().collect(),
+        unsent,
+    };
+    recording.push(Timestamp(0), &channels);
+    let found = recording.parameters();
+    let channels_found: Vec<usize> = found.iter().map(|sensor| sensor.channel).collect();
+    assert_eq!(channels_found, [0]);
+}
+
+#[test]
 fn a_sensor_without_errors_has_none() {
     let found = parameters(Sensor::default(), &CYCLE, 5);
     assert_eq!(found.missing(), None);
