@@ -2,6 +2,7 @@
 //!
 //! Sources and outputs add it to their errors; the [doctor](crate::doctor) gives it in advance.
 
+use ademan_core::estimate::Rejection;
 use ademan_core::message::{escape, escape_path, shell_word};
 use std::fmt;
 use std::io;
@@ -231,6 +232,17 @@ pub fn built_without_wayland() -> Advice {
     )
 }
 
+/// Returns the reason of a rejection, with what to do about a glove file of another glove.
+pub fn rejection(reason: Rejection) -> String {
+    let remedy = if reason == Rejection::WrongShape {
+        "; other channels or counts than in the glove file, or no joints: name the glove of the source with --glove (`ademan gloves` \
+         lists them)"
+    } else {
+        ""
+    };
+    format!("{reason}{remedy}")
+}
+
 /// Returns the advice for a missing runtime directory.
 pub fn no_runtime_dir() -> Advice {
     Advice::new(
@@ -309,6 +321,14 @@ mod tests {
              log in again",
         ];
         assert_eq!([port(&group), port(&later)], expected);
+    }
+
+    #[test]
+    fn readings_of_another_glove_are_told_how_to_name_it() {
+        let shape = rejection(Rejection::WrongShape);
+        assert!(shape.starts_with("wrong-shape; "), "{shape}");
+        assert!(shape.contains("--glove"), "{shape}");
+        assert_eq!(rejection(Rejection::TooFast), "too-fast");
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub enum CalibrationError {
     },
     /// The readings do not have the full scale of the glove.
     #[error(
-        "the readings have counts up to {found}, the glove file states {expected}; correct `full_scale_counts`"
+        "the readings have counts up to {found}, the glove file states {expected}; start from a glove of this source (`ademan gloves` lists them), or correct `full_scale_counts`"
     )]
     OtherFullScale {
         /// The full scale of the readings.

@@ -187,7 +187,8 @@ impl fmt::Display for Notice {
             Self::Stalled => f.write_str("stalled: no readings, everything is released"),
             Self::SourceLost(reason) => f.write_str(reason),
             Self::Rejected(count, reason) => {
-                write!(f, "{} rejected: {reason}", counted(*count, "reading"))
+                let why = advice::rejection(*reason);
+                write!(f, "{} rejected: {why}", counted(*count, "reading"))
             }
             Self::Dropped(count) => write!(
                 f,
