@@ -172,7 +172,7 @@ impl fmt::Display for Notice {
             }
             Self::BentFingers(fingers) => write!(
                 f,
-                "paused: straighten {}: a bent finger types nothing until it was straight",
+                "paused: straighten {}: a bent finger types nothing until it was straight; `ademan calibrate` corrects a glove whose straight fingers look bent",
                 finger_names(*fingers)
             ),
             Self::AwaitingHand => f.write_str(AWAITING_HAND),
