@@ -189,7 +189,8 @@ impl Procedure {
     }
 }
 
-/// Returns the channels whose joints turn by a large angle from the pose before to `pose`, with their counts in the pose before.
+/// Returns the channels whose joints turn by a large angle from the pose before to `pose`, with their counts in the pose before. For an
+/// unknown glove, these are all channels if `pose` bends a finger.
 fn counts_before(
     pose: CalibrationPose,
     observations: &Observations,
@@ -198,6 +199,10 @@ fn counts_before(
     let Some(before) = observations.poses().last() else {
         return Vec::new();
     };
+    if joints.is_empty() && pose.bent_finger().is_some() {
+        let sent = before.channels.iter().filter(|it| it.is_sent);
+        return sent.map(|it| (it.channel, it.median)).collect();
+    }
     let turns = |dof: Dof| {
         let is_known = !before.pose.leaves_free(dof) && !pose.leaves_free(dof);
         let turn = pose.expected(dof).radians - before.pose.expected(dof).radians;
@@ -290,6 +295,21 @@ mod tests {
         let captured = ProcedureState::Pose(Fist, CaptureState::Captured);
         let found = (605..1_320).find(|&packet| push(&mut unmoved, packet, 240) == captured);
         assert!(found.is_some_and(|packet| packet > 1_200), "{found:?}");
+    }
+
+    #[test]
+    fn a_finger_of_an_unknown_glove_is_waited_for() {
+        let poses = [CalibrationPose::Flat, CalibrationPose::IndexBent];
+        let mut procedure = Procedure::for_unknown_glove(&poses, &[], Duration::from_secs(1));
+        assert_eq!(run(&mut procedure, 0..250), [CalibrationPose::Flat]);
+        let mut state = ProcedureState::Finished;
+        for packet in 250..600 {
+            state = push(&mut procedure, packet, 40);
+        }
+        let waiting = CaptureState::Preparing(Duration::ZERO);
+        let waits = ProcedureState::Pose(CalibrationPose::IndexBent, waiting);
+        assert_eq!(state, waits);
+        assert_eq!(run(&mut procedure, 600..800), [CalibrationPose::IndexBent]);
     }
 
     #[test]
