@@ -181,6 +181,11 @@ fn the_channels_of_a_glove_that_sends_five_curls_are_found() {
     let (code, out, errors) = calibrate(&wearer, &folder, &["--discover", "--out", "found"]);
     assert_eq!(code, 0, "{errors}");
     assert!(!out.contains("not clear"), "{out}");
+    let next = format!(
+        "next: ademan calibrate --glove found.ron --source 'serial:{}?protocol=lucidgloves",
+        wearer.port()
+    );
+    assert!(out.contains(&next), "{out}");
     let glove = read_glove(&folder, "found.ron");
     let channels = |finger| {
         let rows = glove.map.rows().iter();

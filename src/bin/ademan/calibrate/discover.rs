@@ -17,7 +17,7 @@ use ademan::setup::LoadedSetup;
 
 use super::destination::Destination;
 use super::session::{Outcome, Session};
-use super::{Args, glove_document, open_feed};
+use super::{Args, glove_document, open_feed, source_word};
 use crate::failure::Failure;
 use crate::{messages, new_file, signals};
 
@@ -49,7 +49,11 @@ pub fn run(args: Args) -> Result<Outcome, Failure> {
     if destination.write(&text, &report(&discovery))? {
         let file = destination.as_word();
         let mut out = io::stdout();
-        writeln!(out, "next: ademan calibrate --glove {file} --source …")?;
+        let source = source_word(args.source.as_ref(), args.demo);
+        writeln!(
+            out,
+            "next: ademan calibrate --glove {file} --source {source}"
+        )?;
     }
     Ok(Outcome::Finished)
 }

@@ -280,11 +280,7 @@ fn calibrate_live(args: Args) -> Result<Outcome, Failure> {
         print_setup_fields(&escape_path(destination.path()), lengths)?;
         let file = destination.as_word();
         let mut out = io::stdout();
-        let source = args.source.as_ref().filter(|_| args.demo.is_none());
-        let word = source.map_or_else(
-            || "…".to_owned(),
-            |uri| shell_word(&uri.to_string()).into_owned(),
-        );
+        let word = source_word(args.source.as_ref(), args.demo);
         let layout = layout_option(&setup, &start.glove);
         writeln!(
             out,
@@ -305,6 +301,14 @@ fn calibrate_live(args: Args) -> Result<Outcome, Failure> {
     }
     // A failure to keep the recording is reported last: it loses less than a failure to write the glove file.
     kept.map(|()| Outcome::Finished)
+}
+
+/// Returns the source as a word of a command; a mark of omission for a simulated person or the source of a setup.
+fn source_word(source: Option<&SourceUri>, demo: Option<u64>) -> String {
+    source.filter(|_| demo.is_none()).map_or_else(
+        || "…".to_owned(),
+        |uri| shell_word(&uri.to_string()).into_owned(),
+    )
 }
 
 /// Returns the option for a layout if a glove that measures no arm does not reach the keys of the layout of a run without the option.
