@@ -94,7 +94,7 @@ impl Build {
     }
 }
 
-/// Returns how a person bends the fingers in a pose.
+/// Returns how a person bends the fingers in a pose. Ring and little finger hardly bend without each other.
 pub fn bends(pose: &str) -> Bends {
     match pose {
         "rest" => [0.15, 0.28, 0.3, 0.32, 0.3],
@@ -102,9 +102,9 @@ pub fn bends(pose: &str) -> Bends {
         "pinch" => [0.45, 0.48, 0.02, 0.03, 0.04],
         "thumb-bent" => [1.0, 0.01, 0.0, 0.0, 0.0],
         "index-bent" => [0.02, 1.0, 0.06, 0.0, 0.0],
-        "middle-bent" => [0.0, 0.05, 1.0, 0.1, 0.02],
-        "ring-bent" => [0.0, 0.0, 0.12, 1.0, 0.15],
-        "little-bent" => [0.0, 0.0, 0.02, 0.14, 1.0],
+        "middle-bent" => [0.0, 0.15, 1.0, 0.4, 0.1],
+        "ring-bent" => [0.0, 0.0, 0.35, 1.0, 0.7],
+        "little-bent" => [0.0, 0.0, 0.15, 0.75, 1.0],
         _ => [0.0, 0.01, 0.0, 0.01, 0.0],
     }
 }

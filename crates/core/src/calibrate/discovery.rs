@@ -5,6 +5,7 @@
 //! order of their indices. Channels that no packet carries, and channels that repeat another one, are ignored.
 
 use super::error::CalibrationError;
+use super::fingers;
 use super::observation::Observations;
 use super::pose::CalibrationPose as Pose;
 use crate::estimate::{AffineMap, ChannelRow};
@@ -13,7 +14,8 @@ use crate::hand::{Dof, Finger};
 /// The smallest change of a channel that counts as a movement, as a fraction of the full scale.
 const MIN_CHANGE: f64 = 0.06;
 
-/// The largest change between the poses of another joint, as a fraction of the change between its own.
+/// The largest change between the poses of another joint, as a fraction of the change between its own. Fingers have a
+/// [limit of their own](fingers::MAX_OTHER).
 const MAX_OTHER: f64 = 0.7;
 
 /// The poses of a discovery, in order.
@@ -157,9 +159,15 @@ fn part(observations: &Observations, channel: usize, full_scale: f64) -> Option<
     if largest < MIN_CHANGE * full_scale {
         return None;
     }
-    let is_clear = changes
-        .get(1)
-        .is_none_or(|(_, second)| *second <= MAX_OTHER * largest);
+    let is_clear = changes[1..].iter().all(|(other, change)| {
+        let are_fingers = matches!((part, other), (Part::Finger(_), Part::Finger(_)));
+        let limit = if are_fingers {
+            fingers::MAX_OTHER
+        } else {
+            MAX_OTHER
+        };
+        *change <= limit * largest
+    });
     Some(if is_clear { Ok(part) } else { Err(()) })
 }
 
@@ -293,6 +301,26 @@ mod tests {
         let pip = &discovery.rows[5];
         assert!(pip.calibration.apply(180.0).abs() < 1e-9);
         assert!((pip.calibration.apply(60.0).to_degrees() - 100.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_finger_that_bends_with_its_neighbor_is_found() {
+        let bent = |own: Finger, neighbor: Finger| {
+            move |pose: Pose| match pose.bent_finger() {
+                Some(finger) if finger == own => 180.0,
+                Some(finger) if finger == neighbor => 150.0,
+                _ => 50.0,
+            }
+        };
+        let observations = observe(&[
+            &bent(Finger::Index, Finger::Middle),
+            &bent(Finger::Ring, Finger::Little),
+            &bent(Finger::Little, Finger::Ring),
+        ]);
+        let discovery = discover(&observations, 255).unwrap();
+        assert!(discovery.unclear.is_empty(), "{discovery:?}");
+        let channels: Vec<usize> = discovery.rows.iter().map(|row| row.channel).collect();
+        assert_eq!(channels, [0, 0, 0, 1, 1, 1, 2, 2, 2]);
     }
 
     #[test]

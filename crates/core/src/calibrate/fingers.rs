@@ -13,8 +13,9 @@ const MIN_RANGE: f64 = 0.03;
 /// The smallest change when a finger bends alone, as a fraction of the range of the sensor.
 const MIN_CHANGE: f64 = 0.5;
 
-/// The largest change when another finger bends, as a fraction of the change with its own finger: fingers move together in part.
-const MAX_OTHER: f64 = 0.7;
+/// The largest change when another finger bends, as a fraction of the change with its own finger: of two neighbors, such as ring and
+/// little finger, one hardly bends without the other, but never as far.
+pub(super) const MAX_OTHER: f64 = 0.9;
 
 /// The sensor of a finger, which may span several joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
