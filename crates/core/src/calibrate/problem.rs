@@ -82,6 +82,13 @@ pub enum Problem {
         /// The pose.
         pose: CalibrationPose,
     },
+    /// The counts of a channel in the poses of its joint contradict each other.
+    Erratic {
+        /// The index of the channel.
+        channel: usize,
+        /// The joint that it measures.
+        dof: Dof,
+    },
     /// A joint keeps the values of the starting glove, because too few of its poses were observed.
     NotObserved {
         /// The joint.
@@ -107,7 +114,8 @@ impl Problem {
             | Self::SmallRange { channel, .. }
             | Self::InvertedChannel { channel, .. }
             | Self::CrossTalk { channel, .. }
-            | Self::Restless { channel, .. } => Some(*channel),
+            | Self::Restless { channel, .. }
+            | Self::Erratic { channel, .. } => Some(*channel),
             Self::SwappedChannels { .. } | Self::NotObserved { .. } | Self::Implausible { .. } => {
                 None
             }
@@ -125,6 +133,7 @@ impl Problem {
             Self::SmallRange { .. }
             | Self::CrossTalk { .. }
             | Self::Restless { .. }
+            | Self::Erratic { .. }
             | Self::NotObserved { .. }
             | Self::Implausible { .. } => Severity::Inexact,
         }
@@ -139,6 +148,7 @@ impl Problem {
             | Self::InvertedChannel { dof, .. }
             | Self::CrossTalk { dof, .. }
             | Self::Restless { dof, .. }
+            | Self::Erratic { dof, .. }
             | Self::NotObserved { dof }
             | Self::Implausible { dof, .. } => *dof,
             Self::SwappedChannels { first, .. } => first.1,
@@ -229,6 +239,10 @@ impl fmt::Display for Problem {
             Self::Restless { channel, dof, pose } => write!(
                 f,
                 "channel {channel} ({dof}) was not still in the pose `{pose}`: hold it longer, or check the wire"
+            ),
+            Self::Erratic { channel, dof } => write!(
+                f,
+                "channel {channel} ({dof}) does not follow its joint: its counts in the poses contradict each other; repeat the poses, or check its wires"
             ),
             Self::NotObserved { dof } => write!(
                 f,

@@ -77,7 +77,8 @@ pub fn fingers(sensors: &[FingerSensor], is_matched: bool) -> String {
         text.push_str("exchanged sensors: the new file has each at the finger that it follows\n");
     } else if sensors.iter().any(is_moved) {
         text.push_str(
-            "exchanged sensors: a finger has more sensors than in the starting glove, so the channels stay; exchange plugs, or numbers in the glove file\n",
+            "a finger has more sensors than in the starting glove, so the channels stay: a sensor without contact follows its neighbor; check its wires, \
+             or exchange plugs or numbers in the glove file\n",
         );
     }
     text.push('\n');

@@ -26,6 +26,9 @@ const MIN_POSES: usize = 5;
 /// The smallest cross-talk that is named, as a fraction of the channel's range. Less is within the error of a joint.
 const CROSS_TALK: f64 = 0.1;
 
+/// The disagreement of the poses of a joint that no difference between people explains: seven standard deviations.
+const CONTRADICTION: f64 = 12.0;
+
 /// Returns the faults of all channels.
 pub(super) fn find(fits: &[ChannelFit], observations: &Observations) -> Vec<Problem> {
     let mut problems = swapped(fits, observations);
@@ -46,6 +49,16 @@ pub(super) fn find(fits: &[ChannelFit], observations: &Observations) -> Vec<Prob
         .iter()
         .filter_map(|fit| cross_talk(fit, &sound, observations));
     problems.extend(found);
+    let is_named = |fit: &ChannelFit| problems.iter().any(|problem| problem.dof() == fit.dof);
+    let erratic: Vec<Problem> = sound
+        .iter()
+        .filter(|fit| fit.excess_misfit(fit.dof, observations) > CONTRADICTION && !is_named(fit))
+        .map(|fit| Problem::Erratic {
+            channel: fit.channel,
+            dof: fit.dof,
+        })
+        .collect();
+    problems.extend(erratic);
     problems
 }
 
@@ -137,7 +150,9 @@ fn cross_talk(
     let line = fit.line(fit.dof, observations)?;
     let range = fit.range.map(|(low, high)| high - low)?;
     let own_angle = (line.map.gain * range).abs();
-    let others = fits.iter().filter(|other| other.channel != fit.channel);
+    let others = fits
+        .iter()
+        .filter(|other| !repeats(fit, other, observations));
     let leaks = others.filter_map(|source| {
         let (slope, evidence) = leak(fit, source, line.map, observations)?;
         let fraction = slope.abs() / own_angle;
@@ -151,6 +166,13 @@ fn cross_talk(
         source: (source.channel, source.dof),
         fraction,
     })
+}
+
+/// Returns `true` if a channel has the counts of another one in all poses: a glove that sends one value for a finger has it in the
+/// channel of each joint. A channel repeats itself.
+fn repeats(fit: &ChannelFit, other: &ChannelFit, observations: &Observations) -> bool {
+    let mut poses = observations.poses().iter();
+    poses.all(|observed| observed.median(fit.channel) == observed.median(other.channel))
 }
 
 /// Returns the change of a joint for the range of another channel, in radians, and the misfit that it removes.

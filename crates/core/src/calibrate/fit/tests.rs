@@ -188,6 +188,44 @@ fn a_dead_sensor_of_a_finger_is_named_and_one_of_the_elbow_refused() {
 }
 
 #[test]
+fn a_sensor_without_contact_is_named_and_not_said_to_follow_its_own_copies() {
+    use CalibrationPose::{Fist, Flat, Rest, Spread};
+    let floating = |pose, channel| match (channel, pose) {
+        (33, Flat) => 100.0,
+        (33, Spread) => 60.0,
+        (33, Fist) => 90.0,
+        (33, _) => 80.0,
+        _ => exact(pose, channel),
+    };
+    let result = fit(&observe(&[Rest, Flat, Spread, Fist], floating), &shipped()).unwrap();
+    let expected = Problem::Erratic {
+        channel: 33,
+        dof: Dof::RingMcpFlexion,
+    };
+    assert!(result.problems.contains(&expected), "{:?}", result.problems);
+    // A finger with one sensor, whose count is in two channels.
+    let copied = |pose: CalibrationPose, channel: usize| match channel {
+        9 | 33 => 60.0 + (pose.index() * 37 % 50) as f64,
+        _ => exact(pose, channel),
+    };
+    let problems = match fit(&observe(CalibrationPose::GUIDED, copied), &shipped()) {
+        Ok(fitted) => fitted.problems,
+        Err(error) => problems(error),
+    };
+    let follows_copy = problems.iter().any(|problem| {
+        matches!(
+            problem,
+            Problem::CrossTalk {
+                channel: 9 | 33,
+                source: (9 | 33, _),
+                ..
+            }
+        )
+    });
+    assert!(!follows_copy, "{problems:?}");
+}
+
+#[test]
 fn fingers_without_a_count_are_not_judged_except_for_the_index_finger() {
     let without = |fingers: &[Finger]| {
         let map = shipped();
