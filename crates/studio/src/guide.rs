@@ -5,8 +5,8 @@ use std::time::Duration;
 use super::glove_editor::{Calibration, GloveEditor};
 use super::sensors::SensorTable;
 use ademan_core::calibrate::{
-    self, CalibrationError, CalibrationPose, CalibrationResult, CaptureState, Observations,
-    Procedure, ProcedureState,
+    self, CalibrationError, CalibrationPose, CalibrationResult, CaptureState, FingerSensor,
+    Observations, Procedure, ProcedureState,
 };
 use ademan_core::estimate::{ChannelMap, ChannelRow, CountRange};
 use ademan_core::hand::{Dof, Side};
@@ -47,6 +47,10 @@ pub struct GuideResult {
     pub fit: CalibrationResult,
     /// The change of each joint.
     pub changes: Vec<JointChange>,
+    /// The sensors that follow another finger than in the glove file.
+    pub moved: Vec<FingerSensor>,
+    /// `true` if the values have them at the fingers that they follow.
+    pub is_matched: bool,
 }
 
 /// The angles of a joint at the ends of the range of its sensor, before and after a calibration, in degrees.
@@ -102,6 +106,13 @@ impl Guide {
         }
     }
 
+    /// Adds the poses of single fingers, which find exchanged sensors.
+    #[must_use]
+    pub fn with_single_fingers(mut self) -> Self {
+        self.procedure = self.procedure.with_single_fingers(&self.start);
+        self
+    }
+
     /// Returns `true` if a simulated person takes the poses.
     pub fn is_demonstration(&self) -> bool {
         self.person.is_some()
@@ -149,12 +160,23 @@ impl Guide {
     fn finish(&mut self) {
         if self.procedure.pose().is_none() && self.result.is_none() {
             let observations = self.procedure.observations();
-            let fit = calibrate::fit(observations, &self.start);
-            self.result = Some(fit.map(|fit| Box::new(self.result_of(fit))));
+            let sensors = calibrate::finger_sensors(observations, &self.start);
+            let sensors = sensors.unwrap_or_default();
+            let matched = calibrate::at_their_fingers(&sensors, &self.start);
+            let start = matched.as_ref().unwrap_or(&self.start);
+            let fit = calibrate::fit(&observations.without_single_fingers(), start);
+            let is_matched = matched.is_some();
+            let result = fit.map(|fit| Box::new(self.result_of(fit, &sensors, is_matched)));
+            self.result = Some(result);
         }
     }
 
-    fn result_of(&self, fit: CalibrationResult) -> GuideResult {
+    fn result_of(
+        &self,
+        fit: CalibrationResult,
+        sensors: &[FingerSensor],
+        is_matched: bool,
+    ) -> GuideResult {
         let observations = self.procedure.observations();
         GuideResult {
             calibration: Calibration {
@@ -162,6 +184,12 @@ impl Guide {
                 rest: calibrate::rest_pose(observations, &fit.map),
             },
             changes: changes(&self.start, &fit.map, observations),
+            moved: sensors
+                .iter()
+                .copied()
+                .filter(FingerSensor::is_moved)
+                .collect(),
+            is_matched,
             fit,
         }
     }
@@ -264,6 +292,7 @@ mod tests {
     use ademan_core::document::Document;
     use ademan_core::layout::{Glove, write_calibration};
     use ademan_runtime::files::Load;
+    use ademan_runtime::sim::GloveFault;
 
     const STEP: Duration = Duration::from_millis(16);
 
@@ -306,6 +335,32 @@ mod tests {
         assert!(fit.score > 50 && result.fit.score == fit.score);
         editor.undo();
         assert_eq!(editor.text().unwrap(), document.text);
+    }
+
+    #[test]
+    fn exchanged_sensors_are_put_right_with_each_finger_alone() {
+        let mut glove_editor = editor();
+        let mut guide = Guide::new(&glove_editor).with_single_fingers();
+        let fault = GloveFault::Swapped(9, 52);
+        let mut wearer = SimulatedWearer::new(8, &guide.start, guide.side).with_fault(fault);
+        for _ in 0..20_000 {
+            let Some(pose) = guide.pose() else {
+                break;
+            };
+            wearer.take(pose);
+            let (time, channels) = wearer.next_packet();
+            guide.push(time, &channels);
+        }
+        let result = guide.result().unwrap().unwrap();
+        let moved: Vec<usize> = result.moved.iter().map(|sensor| sensor.channel).collect();
+        assert_eq!(moved, [52, 9]);
+        assert!(result.is_matched);
+        glove_editor.set_all(result.calibration.clone());
+        let text = glove_editor.text().unwrap();
+        assert!(
+            text.contains(r#"dof: "middle-pip-flexion", channel: 9,"#),
+            "{text}"
+        );
     }
 
     #[test]

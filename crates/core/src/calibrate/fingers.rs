@@ -28,6 +28,13 @@ pub struct FingerSensor {
     pub followed: Option<Finger>,
 }
 
+impl FingerSensor {
+    /// Returns `true` if it follows another finger than in the glove file.
+    pub fn is_moved(&self) -> bool {
+        self.followed.is_some_and(|finger| finger != self.stated)
+    }
+}
+
 /// Returns the sensors of the fingers of a glove, by finger and from the knuckle outwards. `None` if a pose was not taken that
 /// bends one of these fingers alone.
 pub fn finger_sensors(observations: &Observations, map: &ChannelMap) -> Option<Vec<FingerSensor>> {

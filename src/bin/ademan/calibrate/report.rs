@@ -72,10 +72,9 @@ pub fn fingers(sensors: &[FingerSensor], is_matched: bool) -> String {
         };
         let _ = writeln!(text, "{:<9}{shown}", finger.name());
     }
-    let is_moved = |sensor: &FingerSensor| sensor.followed.is_some_and(|it| it != sensor.stated);
     if is_matched {
         text.push_str("exchanged sensors: the new file has each at the finger that it follows\n");
-    } else if sensors.iter().any(is_moved) {
+    } else if sensors.iter().any(FingerSensor::is_moved) {
         text.push_str(
             "a finger has more sensors than in the starting glove, so the channels stay: a sensor without contact follows its neighbor; check its wires, \
              or exchange plugs or numbers in the glove file\n",

@@ -67,8 +67,20 @@ fn show_start(ui: &mut egui::Ui, colors: &SceneColors, context: &mut PanelContex
             let selection = ui.visuals().selection;
             let label = RichText::new(text("calibration-start")).color(selection.stroke.color);
             let start = big_button(label).fill(selection.bg_fill);
-            if ui.add_enabled(is_live, start).clicked() {
-                sensors.start_calibration(Guide::new);
+            let is_started = ui.add_enabled(is_live, start).clicked();
+            let fingers = egui::Button::new(text("calibration-fingers"));
+            let fingers = ui.add_enabled(is_live, fingers);
+            let hint = text("calibration-fingers-hint");
+            let adds_fingers = fingers.on_hover_text(hint).clicked();
+            if is_started || adds_fingers {
+                sensors.start_calibration(|edited| {
+                    let guide = Guide::new(edited);
+                    if adds_fingers {
+                        guide.with_single_fingers()
+                    } else {
+                        guide
+                    }
+                });
                 sensors.note_pause(context.session.view.state.paused_by);
                 context.sent.push(Command::Pause);
             }

@@ -4,7 +4,7 @@ use eframe::egui::{self, Key, RichText};
 
 use super::{big_button, button, quit, resume};
 use crate::guide::{Guide, GuideResult, JointChange};
-use crate::joint_names::joint_name;
+use crate::joint_names::{finger_name, joint_name};
 use crate::panels::PanelContext;
 use crate::texts::{text, text_with};
 use ademan_core::calibrate::{CalibrationError, Problem, Severity};
@@ -41,7 +41,8 @@ fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
     let score = text_with("calibration-score", &[("score", result.fit.score.into())]);
     ui.heading(RichText::new(score).size(22.0));
     ui.add_space(6.0);
-    if result.fit.problems.is_empty() {
+    show_moved(ui, result);
+    if result.fit.problems.is_empty() && result.moved.is_empty() {
         ui.label(format!("√ {}", text("calibration-no-problem")));
     }
     for problem in &result.fit.problems {
@@ -66,6 +67,27 @@ fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
             ui.end_row();
         }
     });
+}
+
+/// Shows the sensors that follow another finger than in the glove file, and what became of them.
+fn show_moved(ui: &mut egui::Ui, result: &GuideResult) {
+    for sensor in &result.moved {
+        let followed = sensor.followed.map_or("", finger_name);
+        let words = text_with(
+            "calibration-moved",
+            &[
+                ("channel", sensor.channel.to_string().into()),
+                ("followed", followed.into()),
+                ("stated", finger_name(sensor.stated).into()),
+            ],
+        );
+        ui.label(format!("▲ {words}"));
+    }
+    if result.is_matched {
+        ui.label(format!("√ {}", text("calibration-matched")));
+    } else if !result.moved.is_empty() {
+        ui.label(format!("× {}", text("calibration-unmatched")));
+    }
 }
 
 /// Returns the reasons of an error, one for each line.
