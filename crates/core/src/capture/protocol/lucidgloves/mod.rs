@@ -281,8 +281,8 @@ impl LineParser for LucidParser {
     }
 
     fn may_lack_start(line: &[u8]) -> bool {
-        // The first number of a legacy line may lack digits. An alpha line has a key before each number.
-        is_legacy(line)
+        // The first number of a legacy line may lack digits. An alpha line may lack its first fields, as if a finger had no sensor.
+        is_legacy(line) || !line.starts_with(b"A")
     }
 
     fn feedback(&self) -> Option<&'static FeedbackFormat> {

@@ -194,6 +194,7 @@ fn the_first_line_of_a_serial_port_counts_if_its_start_shows() {
     for (first, expected) in [
         ("0&2&3&4&5&6&7&0&0&0&0&0&0", &[7][..]),
         ("A1B2C3", &[1, 7][..]),
+        ("B2C3", &[7][..]),
         ("", &[7][..]),
     ] {
         let mut decoder = decoder(4095);
