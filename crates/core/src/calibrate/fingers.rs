@@ -35,8 +35,8 @@ impl FingerSensor {
     }
 }
 
-/// Returns the sensors of the fingers of a glove, by finger and from the knuckle outwards. `None` if a pose was not taken that
-/// bends one of these fingers alone.
+/// Returns the sensors of the fingers of a glove, by finger and from the knuckle outwards. `None` if it has none, or if a pose was not
+/// taken that bends one of these fingers alone.
 pub fn finger_sensors(observations: &Observations, map: &ChannelMap) -> Option<Vec<FingerSensor>> {
     let flat = observations.get(CalibrationPose::Flat)?;
     let poses = CalibrationPose::SINGLE_FINGERS.iter();
@@ -44,7 +44,7 @@ pub fn finger_sensors(observations: &Observations, map: &ChannelMap) -> Option<V
     let bent: Option<Vec<(Finger, &PoseObservation)>> = needed
         .map(|&pose| Some((pose.bent_finger()?, observations.get(pose)?)))
         .collect();
-    let bent = bent?;
+    let bent = bent.filter(|all| !all.is_empty())?;
     let mut rows: Vec<&ChannelRow> = map.rows().iter().collect();
     rows.sort_by_key(|row| row.dof);
     let mut sensors: Vec<FingerSensor> = Vec::new();
@@ -160,7 +160,7 @@ mod tests {
         Glove::parse(&document).unwrap().map
     }
 
-    /// Observations of a hand whose channels follow these fingers, from 100 to 200 counts.
+    /// Observations of a hand whose channels follow these fingers.
     fn observe(map: &ChannelMap, finger_of: impl Fn(usize) -> Option<Finger>) -> Observations {
         let mut observations = Observations::default();
         let poses = [CalibrationPose::Flat, CalibrationPose::Fist];
@@ -267,5 +267,7 @@ mod tests {
         let mut observations = observe(&map, |channel| stated(&map, channel));
         observations.remove(CalibrationPose::RingBent);
         assert_eq!(finger_sensors(&observations, &map), None);
+        let arm = ChannelMap::new(Vec::new(), 255);
+        assert_eq!(finger_sensors(&observations, &arm), None);
     }
 }
