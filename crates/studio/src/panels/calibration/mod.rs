@@ -62,7 +62,7 @@ fn show_start(ui: &mut egui::Ui, colors: &SceneColors, context: &mut PanelContex
             (START_PICTURE, colors),
         );
         ui.add_space(12.0);
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let is_live = !context.session.has_ended && !context.has_hand;
             let selection = ui.visuals().selection;
             let label = RichText::new(text("calibration-start")).color(selection.stroke.color);
