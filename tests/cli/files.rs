@@ -631,3 +631,36 @@ fn a_layout_that_names_a_profile_is_checked_without_the_setup_that_has_it() {
         refused.err
     );
 }
+
+#[test]
+fn a_layout_with_a_key_of_the_system_is_checked_with_a_warning_unless_the_setup_allows_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let keys = "keys: [(code: \"MetaLeft\", at_mm: (0, 0))]";
+    let pose = "anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45";
+    let layout = format!("Layout(name: \"a\", boards: [(pose: ({pose}), {keys})])");
+    let path = file(&folder, "start.ron", layout);
+    let note = "the key `MetaLeft` acts on the system, so a run needs `allow_system_keys: true` in its setup";
+    let setup = file(&folder, "setup.ron", "Setup()");
+    let allowing = file(&folder, "allow.ron", "Setup(allow_system_keys: true)");
+    let check = ["layout", "check", &path];
+    let checked = run(check).done();
+    assert!(checked.err.contains(note), "{}", checked.err);
+    let with_setup = run([&check[..], &["--setup", &setup]].concat()).done();
+    assert!(with_setup.err.contains(note), "{}", with_setup.err);
+    let allowed = run([&check[..], &["--setup", &allowing]].concat()).done();
+    assert!(!allowed.err.contains("MetaLeft"), "{}", allowed.err);
+}
+
+#[test]
+fn a_layout_whose_keys_need_a_setup_is_drawn_and_toured_without_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let profile = r#"(action: Command("profile media"), name: "media", at_mm: (0, 0))"#;
+    let keys = format!("keys: [{profile}, (code: \"MetaLeft\", at_mm: (30, 0))]");
+    let pose = "anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45";
+    let layout = format!("Layout(name: \"a\", boards: [(pose: ({pose}), {keys})])");
+    let path = file(&folder, "mix.ron", layout);
+    let picture = run(["layout", "show", &path, "--svg", "-"]).done();
+    assert!(picture.out.contains("</svg>"), "{}", picture.err);
+    let tour = run(["script", "new", "-", "--from", &path]).done();
+    assert!(tour.out.contains("tap MetaLeft"), "{}", tour.out);
+}

@@ -72,17 +72,21 @@ fn check_one(
     };
     let mut assumed = setup.clone();
     let mut notes = Vec::new();
-    let names = layout.profiles.iter();
-    for name in names.filter(|name| !has_setup && *name != MAIN_PROFILE) {
+    if !has_setup {
+        for name in assume_profiles(&mut assumed, &layout) {
+            notes.push(format!(
+                "it names the profile `{}`, which the setup must have; check it with `--setup`",
+                escape(&name)
+            ));
+        }
+    }
+    let mut keys = layout.required_capabilities().keys.into_iter();
+    if let Some(code) = keys.find(|code| code.is_system_key())
+        && !setup.allow_system_keys
+    {
         notes.push(format!(
-            "it names the profile `{}`, which the setup must have; check it with `--setup`",
-            escape(name)
+            "the key `{code}` acts on the system, so a run needs `allow_system_keys: true` in its setup"
         ));
-        assumed.profiles.push(ProfileSetup {
-            name: name.clone(),
-            layout: layout.file.clone(),
-            text: None,
-        });
     }
     Ok(match warnings(&layout, &assumed) {
         Ok(warnings) => Ok((layout, [notes, warnings].concat())),
@@ -90,6 +94,23 @@ fn check_one(
         Err(SetupError::File(error)) if error.file() == layout.file => Err(error),
         Err(error) => return Err(error.into()),
     })
+}
+
+/// Adds the profiles that a layout names and a setup lacks, each with the layout itself, and returns their names.
+pub fn assume_profiles(setup: &mut Setup, layout: &Layout) -> Vec<String> {
+    let is_missing = |name: &&String| {
+        let mut others = setup.profiles.iter();
+        *name != MAIN_PROFILE && others.all(|profile| profile.name != **name)
+    };
+    let missing: Vec<String> = layout.profiles.iter().filter(is_missing).cloned().collect();
+    for name in &missing {
+        setup.profiles.push(ProfileSetup {
+            name: name.clone(),
+            layout: layout.file.clone(),
+            text: None,
+        });
+    }
+    missing
 }
 
 fn print(file: &str, outcome: &Result<Checked, DocumentError>) -> Result<(), Failure> {

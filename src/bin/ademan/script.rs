@@ -10,7 +10,7 @@ use ademan::setup::{OtherHand, Setup};
 
 use crate::demo::script;
 use crate::failure::Failure;
-use crate::{complete, new_file};
+use crate::{complete, layout_check, new_file};
 
 /// Create scripts for a simulated hand
 #[derive(clap::Args)]
@@ -54,11 +54,12 @@ pub fn run(args: Args) -> Result<(), Failure> {
 /// Returns a script that uses each control of a layout once, as far as the hands of the demo can.
 fn tour(layout: &str) -> Result<String, Failure> {
     let loaded = Layout::load(layout)?;
-    let setup = Setup {
+    let mut setup = Setup {
         layout: layout.to_owned(),
         allow_system_keys: true,
         other_hand: loaded.uses_hand(Side::Left).then(OtherHand::default),
         ..Setup::default()
     };
+    layout_check::assume_profiles(&mut setup, &loaded);
     Ok(setup.load_files()?.tour())
 }

@@ -92,7 +92,7 @@ pub fn show(args: &Args) -> Result<(), Failure> {
     }
     let (setup, wearer) = match refused {
         Ok(()) => {
-            let setup = load(args, &args.file)?;
+            let setup = load(args, Some(draft.layout()))?;
             let wearer = setup.wearer();
             (setup, wearer)
         }
@@ -143,7 +143,7 @@ pub fn show(args: &Args) -> Result<(), Failure> {
 
 /// Returns the setup whose hands are drawn, with a layout that has faults, and the hands.
 fn load_faulty(args: &Args, document: &Document) -> Result<(LoadedSetup, Wearer), Failure> {
-    let mut setup = load(args, &Setup::default().layout)?;
+    let mut setup = load(args, None)?;
     let draft = LayoutDraft::read(document, setup.layout.fit)?;
     setup.layout = draft.layout().clone();
     let wearer = Wearer {
@@ -153,18 +153,23 @@ fn load_faulty(args: &Args, document: &Document) -> Result<(LoadedSetup, Wearer)
     Ok((setup, wearer))
 }
 
-/// Returns the setup whose hands are drawn, with a layout.
-fn load(args: &Args, layout: &str) -> Result<LoadedSetup, Failure> {
+/// Returns the setup whose hands are drawn, with the layout that is drawn or with the default one. For a drawing it does not matter
+/// which profiles the setup has, and which keys it allows.
+fn load(args: &Args, drawn: Option<&Layout>) -> Result<LoadedSetup, Failure> {
     let setup = match &args.setup {
         Some(path) => Setup::load(path)?,
         None => Setup::default(),
     };
-    let setup = Setup {
-        layout: layout.to_owned(),
+    let mut setup = Setup {
+        layout: drawn.map_or(Setup::default().layout, |_| args.file.clone()),
         arm: args.hand.clone().unwrap_or_else(|| setup.arm.clone()),
         person: args.person.clone().or(setup.person),
+        allow_system_keys: true,
         ..setup
     };
+    if let Some(layout) = drawn {
+        layout_check::assume_profiles(&mut setup, layout);
+    }
     Ok(setup.load_files()?)
 }
 
