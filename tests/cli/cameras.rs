@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use ademan::cameras::{Camera, CamerasFile, CamerasFormat};
+use ademan::document::Document;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use serde_json::json;
 
@@ -85,7 +86,8 @@ fn a_wand_calibrates_cameras_whose_marks_are_then_markers() {
             calibrated.err
         );
         let written = std::fs::read_to_string(&path).unwrap();
-        let cameras = CamerasFile::parse(&written, format).unwrap().cameras();
+        let document = Document::new(name, written);
+        let cameras = CamerasFile::parse(&document, format).unwrap().cameras();
         assert_eq!(cameras.len(), 3);
 
         // Two markers of known distance, seen by the cameras as they are.

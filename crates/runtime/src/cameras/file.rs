@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use ademan_core::document::{Document, DocumentError};
 use glam::{DQuat, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -58,8 +59,8 @@ struct Table {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CamerasFileError {
     /// The text has another form.
-    #[error("{0}")]
-    Text(String),
+    #[error(transparent)]
+    Text(#[from] DocumentError),
     /// A camera has numbers that no camera has.
     #[error("the camera `{name}` {reason}")]
     Camera {
@@ -87,13 +88,11 @@ impl CamerasFile {
         }
     }
 
-    /// Parses a text.
-    pub fn parse(text: &str, format: CamerasFormat) -> Result<Self, CamerasFileError> {
-        let file = match format {
-            CamerasFormat::Ron => {
-                ron::from_str(text).map_err(|error| CamerasFileError::Text(error.to_string()))?
-            }
-            CamerasFormat::Toml => Self::parse_toml(text)?,
+    /// Parses a document.
+    pub fn parse(document: &Document, format: CamerasFormat) -> Result<Self, CamerasFileError> {
+        let file: Self = match format {
+            CamerasFormat::Ron => document.parse()?,
+            CamerasFormat::Toml => Self::parse_toml(document)?,
         };
         for (index, entry) in file.cameras.iter().enumerate() {
             let error = |reason| CamerasFileError::Camera {
@@ -124,16 +123,21 @@ impl CamerasFile {
         Ok(file)
     }
 
-    fn parse_toml(text: &str) -> Result<Self, CamerasFileError> {
-        let error = |error: toml::de::Error| CamerasFileError::Text(error.to_string());
-        let tables: toml::Table = toml::from_str(text).map_err(error)?;
+    fn parse_toml(document: &Document) -> Result<Self, CamerasFileError> {
+        let Document { file, text, .. } = document;
+        let parsed = toml::from_str(text);
+        let tables: toml::Table = parsed.map_err(|error: toml::de::Error| {
+            DocumentError::at(file, text, error.span().unwrap_or(0..0), error.message())
+        })?;
         let mut cameras = Vec::new();
         for (key, value) in tables {
             // A table of notes, such as `metadata`.
             if value.get("matrix").is_none() {
                 continue;
             }
-            let table: Table = value.try_into().map_err(error)?;
+            let table: Table = value.try_into().map_err(|error: toml::de::Error| {
+                DocumentError::for_file(file, format!("the table `{key}`: {}", error.message()))
+            })?;
             let name = table.name.unwrap_or(key);
             let refused = |reason| CamerasFileError::Camera {
                 name: name.clone(),

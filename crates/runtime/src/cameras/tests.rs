@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use ademan_core::document::Document;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::*;
@@ -221,7 +222,8 @@ fn files_of_both_forms_keep_all_numbers_and_others_are_refused() {
     let cameras = room(3);
     for format in [CamerasFormat::Ron, CamerasFormat::Toml] {
         let text = CamerasFile::new(&cameras).to_text(format);
-        let read = CamerasFile::parse(&text, format).unwrap().cameras();
+        let document = Document::new("cameras", text.as_str());
+        let read = CamerasFile::parse(&document, format).unwrap().cameras();
         for (read_camera, camera) in read.iter().zip(&cameras) {
             assert!(
                 read_camera.rotation.angle_between(camera.rotation) < 1e-7,
@@ -238,9 +240,9 @@ fn files_of_both_forms_keep_all_numbers_and_others_are_refused() {
     let anipose = "[cam_0]\nname = \"A\"\nsize = [ 1600, 1200,]\nmatrix = [ [ 1000.5, 0.0, 799.5,], [ 0.0, 1000.5, 599.5,], [ 0.0, \
                    0.0, 1.0,],]\ndistortions = [ -0.1, 0.0, 0.0, 0.0, 0.0,]\nrotation = [ 0.1, 0.2, 0.3,]\ntranslation = [ 1, 2.0, \
                    3.0,]\n\n[metadata]\nadjusted = false\nerror = 0.0\n";
-    let read = CamerasFile::parse(anipose, CamerasFormat::Toml)
-        .unwrap()
-        .cameras();
+    let parse =
+        |text: &str| CamerasFile::parse(&Document::new("cameras.toml", text), CamerasFormat::Toml);
+    let read = parse(anipose).unwrap().cameras();
     assert_eq!((read.len(), read[0].name.as_str()), (1, "A"));
     assert_eq!(read[0].distortion, [-0.1, 0.0, 0.0, 0.0]);
     for (from, to, reason) in [
@@ -256,16 +258,51 @@ fn files_of_both_forms_keep_all_numbers_and_others_are_refused() {
         ("name = \"A\"", "fisheye = true", "fisheye"),
     ] {
         let text = anipose.replacen(from, to, 1);
-        let error = CamerasFile::parse(&text, CamerasFormat::Toml).unwrap_err();
+        let error = parse(&text).unwrap_err();
         assert!(error.to_string().contains(reason), "{reason}: {error}");
     }
     let (camera, _) = anipose.split_once("[metadata]").unwrap();
     let twice = format!("{camera}{}", camera.replace("cam_0", "cam_1"));
-    let twice_error = CamerasFile::parse(&twice, CamerasFormat::Toml).unwrap_err();
+    let twice_error = parse(&twice).unwrap_err();
     assert_eq!(
         twice_error.to_string(),
         "the camera `A` is there twice; give each camera its own name"
     );
+}
+
+#[test]
+fn an_error_in_a_file_of_cameras_has_its_line() {
+    let no_size = "[cam_1]\nmatrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]\n";
+    for (file, text, start) in [
+        (
+            "c.ron",
+            "(\n    cameras: [(name: \"a\", size_px: (1, x))],\n)",
+            "c.ron:2:40: expected a number\n 2 |",
+        ),
+        (
+            "c.ron",
+            "(\n    cameras: [()],\n)",
+            "c.ron:2:16: the field `name` is missing\n 2 |",
+        ),
+        (
+            "c.toml",
+            "[cam_1]\nname = \"a\"\nname = \"b\"\n",
+            "c.toml:3:1: duplicate key\n 3 |",
+        ),
+        (
+            "c.toml",
+            no_size,
+            "c.toml: the table `cam_1`: missing field `size`",
+        ),
+    ] {
+        let format = if file.ends_with("ron") {
+            CamerasFormat::Ron
+        } else {
+            CamerasFormat::Toml
+        };
+        let error = CamerasFile::parse(&Document::new(file, text), format).unwrap_err();
+        assert!(error.to_string().starts_with(start), "{error}");
+    }
 }
 
 #[test]

@@ -11,8 +11,10 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::cameras::{
-    Calibration, Camera, CamerasFile, CamerasFormat, Frame, from_points, from_wand, refine,
+    Calibration, Camera, CamerasFile, CamerasFileError, CamerasFormat, Frame, from_points,
+    from_wand, refine,
 };
+use ademan::document::Document;
 use ademan::files;
 use ademan::message::{escape, escape_line, escape_path};
 use glam::{DVec2, DVec3};
@@ -354,16 +356,22 @@ fn frame(cameras: &[Camera], line: &Line) -> Frame {
 }
 
 fn read_cameras(path: &Path) -> Result<Vec<Camera>, Failure> {
-    let text = read_text(path)?;
-    let file = CamerasFile::parse(&text, format(path)?);
-    let file = file.map_err(|error| invalid(path, &error.to_string()))?;
+    let document = read_document(path)?;
+    let file = CamerasFile::parse(&document, format(path)?);
+    let file = file.map_err(|error| match error {
+        CamerasFileError::Text(at_line) => Failure::from(at_line),
+        CamerasFileError::Camera { .. } => Failure::wrong_use(format!(
+            "{}: {}",
+            escape_path(path),
+            escape_line(&error.to_string())
+        )),
+    })?;
     Ok(file.cameras())
 }
 
 fn read_points(path: &Path) -> Result<BTreeMap<String, DVec3>, Failure> {
-    let text = read_text(path)?;
-    let points: BTreeMap<String, (f64, f64, f64)> =
-        ron::from_str(&text).map_err(|error| invalid(path, &error.to_string()))?;
+    let document = read_document(path)?;
+    let points: BTreeMap<String, (f64, f64, f64)> = document.parse()?;
     let places: BTreeMap<_, _> = points
         .into_iter()
         .map(|(label, place)| (label, DVec3::from(place)))
@@ -378,8 +386,8 @@ fn read_points(path: &Path) -> Result<BTreeMap<String, DVec3>, Failure> {
     }
 }
 
-fn invalid(path: &Path, reason: &str) -> Failure {
-    Failure::wrong_use(format!("{}: {}", escape_path(path), escape_line(reason)))
+fn read_document(path: &Path) -> Result<Document, Failure> {
+    Ok(Document::new(path.display().to_string(), read_text(path)?))
 }
 
 fn read_text(path: &Path) -> Result<String, Failure> {
