@@ -92,6 +92,10 @@ fn a_wrong_number_on_a_board_has_its_position() {
             "3:49: 1e308 is out of range: a size is 1 to 500 mm",
         ),
         (
+            key("size_mm: Disc(-1e-300)"),
+            "3:49: -1e-300 is out of range: a size is 1 to 500 mm",
+        ),
+        (
             key("travel_mm: 0"),
             "3:46: 0 is out of range: a travel is 0.2 to 50 mm",
         ),

@@ -74,9 +74,10 @@ macro_rules! ranged_numbers {
 }
 pub(crate) use ranged_numbers;
 
-/// Formats a number; large ones in scientific notation, because `Display` writes 1e308 with 308 zeros.
+/// Formats a number; large and tiny ones in scientific notation, because `Display` writes 1e308 and 1e-308 with 308 zeros.
 pub(crate) fn format_number(value: f64) -> String {
-    if value.is_finite() && value.abs() >= 1e9 {
+    let size = value.abs();
+    if value.is_finite() && (size >= 1e9 || (size > 0.0 && size < 1e-6)) {
         format!("{value:e}")
     } else {
         value.to_string()
