@@ -115,6 +115,9 @@ impl Slice<'_> {
                 _ => "expected a number".into(),
             },
             Error::InvalidIntegerDigit { .. } => WHOLE_NUMBER.into(),
+            Error::InvalidValueForType { expected, .. } if expected == "a borrowed string" => {
+                "this text must be written without `\\`".into()
+            }
             Error::IntegerOutOfBounds => "the number is negative, or too large".into(),
             Error::ExpectedBoolean => "expected `true` or `false`".into(),
             Error::ExpectedArray => format!("expected a list: `[…]`{}", self.not("({")),

@@ -486,6 +486,11 @@ mod tests {
         assert!(row("-1", "1").starts_with("g.ron:2:46: channel -1 does not exist"));
         assert!(row("1", "0").starts_with("g.ron:2:82: an angle that does not change is 0"));
         assert!(row("1", "NaN").starts_with("g.ron:2:82: NaN is out of range"));
+        let escaped = error("label: \"a\\tb\", dof: \"elbow-flexion\"");
+        assert!(
+            escaped.contains(": this text must be written without `\\`\n"),
+            "{escaped}"
+        );
         let unknown = error("label: \"a\", dof: \"elbow-flexoin\"");
         assert!(
             unknown.contains("did you mean `elbow-flexion`?"),
