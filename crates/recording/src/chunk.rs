@@ -28,9 +28,8 @@ pub(super) fn decompress(
         COMPRESSION => {
             // One byte more reveals a chunk that is longer than it states.
             let mut decoder = FrameDecoder::new(data).take(size + 1);
-            decoder
-                .read_to_end(records)
-                .map_err(|error| format!("a chunk cannot be decompressed: {error}"))?;
+            let read = decoder.read_to_end(records);
+            read.map_err(|_| "a chunk cannot be decompressed: the file was damaged")?;
         }
         other => {
             return Err(format!(
