@@ -233,7 +233,8 @@ impl Learned {
 
     fn checked(document: &Document) -> Result<Self, DocumentError> {
         let learned: Self = document.parse_as(&FORMAT)?;
-        let error = |message: String| document.error_at(&document.text, message);
+        // Without a line: the values have lost theirs.
+        let error = |message: String| DocumentError::for_file(&document.file, message);
         if learned.words.len() > MAX_WORDS || learned.keys.len() > MAX_KEYS {
             return Err(error(format!(
                 "there are more than {MAX_WORDS} words or {MAX_KEYS} keys; remove some"
@@ -470,6 +471,11 @@ mod tests {
         ] {
             let error = parsed(text).expect_err(text);
             assert!(error.contains(message), "{text}: {error}");
+            let is_first = !error.starts_with("me.ron:1:1:");
+            assert!(
+                is_first,
+                "the file has the fault, not its first letter: {error}"
+            );
             let has_word = error.contains("a b") || error.contains("Nuria");
             assert!(!has_word && !error.contains('^'), "{error}");
         }
