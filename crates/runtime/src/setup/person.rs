@@ -39,12 +39,14 @@ impl LoadedSetup {
         self.person.bones.as_ref()?;
         let arm = match &self.setup.arm {
             ArmSetup::Person => return None,
-            ArmSetup::Model(name) => format!("the arm model `{}`", escape(name)),
-            ArmSetup::Measured { .. } => "the lengths in `arm`".to_owned(),
+            ArmSetup::Model(name) => {
+                format!("the arm model `{}` of the setup applies", escape(name))
+            }
+            ArmSetup::Measured { .. } => "the lengths in `arm` of the setup apply".to_owned(),
         };
         let person = self.setup.person.as_deref().unwrap_or_default();
         Some(format!(
-            "{arm} of the setup applies, not the lengths of the person {}; remove `arm` to use those",
+            "{arm}, not the lengths of the person {}; remove `arm` to use those",
             escape(person)
         ))
     }
