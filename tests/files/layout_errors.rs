@@ -248,7 +248,7 @@ fn a_duplicate_or_overlapping_key_has_its_position() {
     check_boards(&[
         (
             "rows: [(at_mm: (0, 0), keys: \"Q W Q\")]".into(),
-            "3:35: duplicate name `Q`: there is a key with this name in line 3, set another `name`",
+            "3:35: duplicate name `Q`: there is a key with this name in line 3, list it in `keys` with another `name`",
         ),
         (
             format!("{row},\nkeys: [(code: \"KeyW\", at_mm: (0, 50))]"),

@@ -272,6 +272,16 @@ fn names() -> Vec<Mistake> {
             "3:33: unknown key `Zzyzx`; `ademan layout keys` lists all keys",
         ),
         (
+            "keys without blanks",
+            board("rows: [(at_mm: (0, 0), keys: \"ZXCV\")]"),
+            "3:31: unknown key `ZXCV`; keys are separated by blanks, as in `Z X C V`; `ademan layout keys` lists all keys",
+        ),
+        (
+            "a character in place of a key",
+            board("rows: [(at_mm: (0, 0), keys: \"Q €\")]"),
+            "3:33: unknown key `€`; `action: Text(\"€\")` types this character; `ademan layout keys` lists all keys",
+        ),
+        (
             "keys with commas",
             board("rows: [(at_mm: (0, 0), keys: \"Q, W, E\")]"),
             "3:31: `Q,` is no key: keys are separated by blanks, not by commas",
@@ -355,7 +365,7 @@ fn meaning() -> Vec<Mistake> {
         (
             "a key twice",
             board("rows: [(at_mm: (0, 0), keys: \"Q W Q\")]"),
-            "3:35: duplicate name `Q`: there is a key with this name in line 3, set another `name`",
+            "3:35: duplicate name `Q`: there is a key with this name in line 3, list it in `keys` with another `name`",
         ),
         (
             "keys that overlap",
@@ -446,7 +456,7 @@ fn all_mistakes_of_a_file_are_reported_at_once_in_the_order_of_the_file() {
         lines(&layered),
         [
             "1:86: unknown key `Entre`, did you mean `Enter`? (also in line 2)",
-            "1:92: duplicate name `W`: there is a key with this name in line 1, set another `name`",
+            "1:92: duplicate name `W`: there is a key with this name in line 1, list it in `keys` with another `name`",
             "1:94: unknown key `Tba`, did you mean `Tab`?",
             "2:11: this layout has no such key: unknown key `E`",
             "3:18: a chord has 2 to 10 keys, this one has 1",

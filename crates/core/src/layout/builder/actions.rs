@@ -14,6 +14,9 @@ use crate::names::UnknownName;
 /// The maximum length of a text that a key types, in characters.
 const MAX_TEXT_LENGTH: usize = 32;
 
+/// The maximum number of letters that are taken for a row of keys without blanks between them.
+const MAX_KEYS_WITHOUT_BLANKS: usize = 16;
+
 impl<'a> LayoutBuilder<'a> {
     /// Returns the action of a press. `latch` is allowed for modifiers and layers only.
     pub fn action(
@@ -81,7 +84,8 @@ impl<'a> LayoutBuilder<'a> {
                 );
                 self.error(code, message)
             } else if error.nearest.is_none() {
-                let message = format!("{error}; `ademan layout keys` lists all keys");
+                let meant = meant_text(code).unwrap_or_default();
+                let message = format!("{error}{meant}; `ademan layout keys` lists all keys");
                 self.error(code, message)
             } else {
                 self.error(code, error)
@@ -202,6 +206,26 @@ fn combination(text: &str) -> Option<String> {
 /// Returns the key whose name is `text` without blanks and hyphens, such as `Shift-Left`.
 fn joined_name(text: &str) -> Option<KeyCode> {
     text.replace([' ', '-'], "").parse().ok()
+}
+
+/// Returns what to write in place of a text that no key is called, if it is a character or consists of letters or digits.
+fn meant_text(text: &str) -> Option<String> {
+    let characters: Vec<String> = text.chars().map(String::from).collect();
+    if characters.len() == 1 {
+        return Some(format!("; `action: Text(\"{text}\")` types this character"));
+    }
+    let kinds: [fn(&char) -> bool; 3] = [
+        char::is_ascii_uppercase,
+        char::is_ascii_lowercase,
+        char::is_ascii_digit,
+    ];
+    let are_keys = kinds
+        .iter()
+        .any(|is_of_kind| text.chars().all(|it| is_of_kind(&it)));
+    (are_keys && characters.len() <= MAX_KEYS_WITHOUT_BLANKS).then(|| {
+        let keys = characters.join(" ");
+        format!("; keys are separated by blanks, as in `{keys}`")
+    })
 }
 
 fn checked_latch(latch: Option<LatchSchema>) -> Latch {

@@ -462,8 +462,13 @@ impl<'a> LayoutBuilder<'a> {
         self.sources.push(source);
         if let Some(other) = self.targets.get(name) {
             let line = line_number(self.text(), other.source);
+            let remedy = if self.is_in_list(source) {
+                "list it in `keys` with another `name`"
+            } else {
+                "set another `name`"
+            };
             let message = format!(
-                "duplicate name `{name}`: there is a {} with this name in line {line}, set another `name`",
+                "duplicate name `{name}`: there is a {} with this name in line {line}, {remedy}",
                 other.kind
             );
             let error = self.error(source, message);
@@ -479,5 +484,13 @@ impl<'a> LayoutBuilder<'a> {
             },
         );
         Ok(id)
+    }
+
+    /// Returns `true` if `source` is one of several names in one text, such as the keys of a row.
+    fn is_in_list(&self, source: &str) -> bool {
+        byte_offset(self.text(), source).is_some_and(|start| {
+            let (before, after) = (&self.text()[..start], &self.text()[start + source.len()..]);
+            !before.ends_with('"') || !after.starts_with('"')
+        })
     }
 }
