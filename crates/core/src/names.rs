@@ -4,8 +4,8 @@ use crate::message::escape;
 
 /// Declares a field-less enum whose values have one name in files, messages and output.
 ///
-/// Generates `ALL`, `NAMES`, `COUNT`, `name`, `index`, `Display`, `FromStr` (whose error suggests the closest valid name) and
-/// serde support by name.
+/// Generates `ALL`, `NAMES`, `COUNT`, `name`, `index`, `Display`, `FromStr` (whose error suggests the closest valid name or lists
+/// them) and serde support by name.
 #[macro_export]
 macro_rules! named_enum {
     ($(#[$meta:meta])* $vis:vis enum $enum:ident ($kind:literal) {
@@ -50,7 +50,7 @@ macro_rules! named_enum {
                     .copied()
                     .find(|value| value.name() == text)
                     .ok_or_else(|| {
-                        $crate::names::UnknownName::new($kind, text, Self::ALL.iter().map(|value| value.name()))
+                        $crate::names::UnknownName::one_of($kind, text, Self::ALL.iter().map(|value| value.name()))
                     })
             }
         }
@@ -73,7 +73,7 @@ pub use named_enum;
 
 /// A name that is not one of the valid names.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown {kind} `{}`{}", escape(.text), suggestion(.nearest))]
+#[error("unknown {kind} `{}`{}", escape(.text), suggestion(.nearest, .expected))]
 pub struct UnknownName {
     /// The kind of thing that the name stands for, such as "joint" or "key".
     pub kind: &'static str,
@@ -81,6 +81,8 @@ pub struct UnknownName {
     pub text: String,
     /// The most similar valid name, if one is similar enough to suggest.
     pub nearest: Option<String>,
+    /// The valid names, if they are to be listed because none is similar.
+    pub expected: Vec<String>,
 }
 
 impl UnknownName {
@@ -102,6 +104,24 @@ impl UnknownName {
             kind,
             text: text.to_owned(),
             nearest: usual.or_else(|| nearest(text, valid)).map(str::to_owned),
+            expected: Vec::new(),
+        }
+    }
+
+    /// Creates the error for `text`, which suggests a similar name in `valid`. Without one it lists them, unless they are more than 32.
+    pub fn one_of<'a>(
+        kind: &'static str,
+        text: &str,
+        valid: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let valid: Vec<&str> = valid.into_iter().collect();
+        let error = Self::new(kind, text, valid.iter().copied());
+        if error.nearest.is_some() || valid.len() > MAX_EXPECTED {
+            return error;
+        }
+        Self {
+            expected: valid.into_iter().map(str::to_owned).collect(),
+            ..error
         }
     }
 }
@@ -109,10 +129,14 @@ impl UnknownName {
 /// Usual words for a thing whose name is spelled in no similar way, and that name.
 const OTHER_WORDS: [(&str, &str); 2] = [("pinky", "little"), ("pinkie", "little")];
 
-fn suggestion(nearest: &Option<String>) -> String {
+/// The largest number of valid names that an error lists.
+const MAX_EXPECTED: usize = 32;
+
+fn suggestion(nearest: &Option<String>, expected: &[String]) -> String {
     match nearest {
         Some(name) => format!(", did you mean `{}`?", escape(name)),
-        None => String::new(),
+        None if expected.is_empty() => String::new(),
+        None => format!(", expected one of: {}", expected.join(", ")),
     }
 }
 
@@ -212,6 +236,20 @@ mod tests {
             error.to_string(),
             "unknown key `Spcae`, did you mean `Space`?"
         );
+    }
+
+    #[test]
+    fn names_are_listed_if_none_is_similar_and_they_are_few() {
+        let fingers = ["ring", "little"];
+        let error = |text: &str| UnknownName::one_of("finger", text, fingers).to_string();
+        assert_eq!(
+            error("pointer"),
+            "unknown finger `pointer`, expected one of: ring, little"
+        );
+        assert_eq!(error("rnig"), "unknown finger `rnig`, did you mean `ring`?");
+        let many = ["ring"; 33];
+        let unlisted = UnknownName::one_of("finger", "pointer", many);
+        assert_eq!(unlisted.to_string(), "unknown finger `pointer`");
     }
 
     #[test]

@@ -150,6 +150,7 @@ impl KeyCode {
             kind: "key",
             text: text.to_owned(),
             nearest: nearest.map(str::to_owned),
+            expected: Vec::new(),
         }
     }
 }

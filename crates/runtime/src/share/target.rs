@@ -121,8 +121,9 @@ fn parse(text: &str) -> Result<ShareTarget, String> {
         None if form == "zenoh" => (ShareFormat::TextLine.name(), Some(form)),
         None => (form, None),
     };
-    let format: ShareFormat = format.parse().map_err(|error: UnknownName| {
-        let names: Vec<_> = ShareFormat::ALL.iter().map(|it| it.name()).collect();
+    let format: ShareFormat = format.parse().map_err(|_: UnknownName| {
+        let names = ShareFormat::NAMES;
+        let error = UnknownName::new("format", format, names.iter().copied());
         format!("{error} (available: {})", names.join(", "))
     })?;
     match link {

@@ -372,7 +372,7 @@ fn input(builder: &LayoutBuilder, name: Spanned) -> Result<(Measure, (f64, f64))
     }
     let names = || Input::NAMES.iter().chain(BodyAngle::NAMES).copied();
     let angle = name.text.parse();
-    let angle = angle.map_err(|_: UnknownName| UnknownName::new("input", name.text, names()));
+    let angle = angle.map_err(|_: UnknownName| UnknownName::one_of("input", name.text, names()));
     let angle = angle.map_err(|error| builder.error(name.text, error))?;
     Ok((Measure::Body(angle), BODY_DEG))
 }
