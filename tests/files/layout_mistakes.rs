@@ -465,6 +465,12 @@ fn all_mistakes_of_a_file_are_reported_at_once_in_the_order_of_the_file() {
 }
 
 #[test]
+fn a_position_with_names_is_one_error() {
+    let named = key("code: \"A\", at_mm: (x: 0, y: 0)");
+    assert_eq!(lines(&named), ["4:20: expected a number"]);
+}
+
+#[test]
 fn an_error_that_follows_from_another_one_is_not_reported() {
     let text = layout(
         "layers: [(name: \"x\", keys: {\"Entre\": \"1\", \"Q\": \"2\"})], labels: {\"Entre\": \"e\"}",

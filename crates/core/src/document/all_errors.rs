@@ -108,6 +108,8 @@ fn is_consequence(error: &SpannedError, start: usize, incomplete: &[usize]) -> b
     incomplete.contains(&start)
         && matches!(
             &error.code,
-            Error::MissingStructField { .. } | Error::Message(_)
+            Error::MissingStructField { .. }
+                | Error::ExpectedDifferentLength { .. }
+                | Error::Message(_)
         )
 }
