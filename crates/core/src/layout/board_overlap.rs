@@ -10,6 +10,9 @@ use crate::message::escape;
 /// The depth by which boards may overlap, in metres: far above rounding errors, far below what a person can see.
 const TOLERANCE: f32 = 1e-5;
 
+/// The largest number of overlaps that are found: thousands of boards in one place have millions, which fill the memory.
+const MAX_OVERLAPS: usize = 1_000;
+
 /// Two boards in one place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardOverlap<'a> {
@@ -57,7 +60,7 @@ impl Layout {
         )
     }
 
-    /// Returns the pairs of boards that share space: boards with one anchor that the same hand can touch.
+    /// Returns the pairs of boards that share space, at most 1000: boards with one anchor that the same hand can touch.
     pub fn board_overlaps(&self) -> Vec<BoardOverlap<'_>> {
         let surfaces = self.scene.surfaces();
         let boards: Vec<(&Surface, Vec<Block>)> = surfaces
@@ -83,6 +86,9 @@ impl Layout {
                         targets: (one.target, other.target),
                         depth,
                     });
+                }
+                if overlaps.len() == MAX_OVERLAPS {
+                    return overlaps;
                 }
             }
         }
@@ -237,6 +243,18 @@ mod tests {
             [((1, 2), 4.0)],
             "the first board has no side"
         );
+    }
+
+    #[test]
+    fn no_more_than_a_thousand_overlaps_are_found() {
+        let board = |index: usize| {
+            let key = format!("(code: \"A\", name: \"k{index}\", at_mm: (0, 0))");
+            format!("(pose: (anchor: elbow), keys: [{key}])")
+        };
+        let boards: Vec<String> = (0..50).map(board).collect();
+        let text = format!("Layout(name: \"a\", boards: [{}])", boards.join(","));
+        let layout = Layout::parse(&text, "a.ron").unwrap();
+        assert_eq!(layout.board_overlaps().len(), MAX_OVERLAPS);
     }
 
     #[test]
