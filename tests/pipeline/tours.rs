@@ -85,6 +85,32 @@ fn a_tour_touches_each_control_and_moves_it_along_its_travel() {
     assert!(pan_high - pan_low > 0.1, "{values:?}");
 }
 
+/// A row of keys of which one is far above the others.
+const RAISED: &str = r#"Layout(name: "Raised", boards: [(
+    pose: (anchor: elbow, bearing_deg: 32, forward_mm: 324, height_mm: -43),
+    keys: [
+        (code: "A", at_mm: (-60, 30)),
+        (code: "B", at_mm: (-30, 30), lift_mm: 50),
+        (code: "C", at_mm: (0, 30)),
+        (code: "D", at_mm: (30, 30)),
+    ],
+)])"#;
+
+#[test]
+fn a_tour_leaves_out_a_key_that_can_be_pressed_only_on_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("raised.ron");
+    std::fs::write(&path, RAISED).unwrap();
+    let setup = load(path.to_str().unwrap());
+    let tour = setup.tour();
+    let hand = setup.scripted(&tour, &Hc11Format::default(), 0.0, 0);
+    assert!(hand.is_ok(), "{}\n{tour}", hand.err().unwrap());
+    assert!(
+        tour.contains("tap D;") && tour.ends_with("the simulated hand cannot use it: C\n"),
+        "{tour}"
+    );
+}
+
 #[test]
 fn the_readings_of_a_live_hand_are_accepted_from_the_first_one() {
     let format = Hc11Format {

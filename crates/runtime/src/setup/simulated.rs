@@ -21,6 +21,9 @@ pub const SIMULATED_HAND: &str = "simulated hand";
 /// The largest number of keys, and of other controls, of a layout whose presses are tried.
 const MAX_TRIED: usize = 500;
 
+/// The largest number of controls that a tour leaves out because they cannot be used after the others.
+const MAX_LEFT_OUT: usize = 20;
+
 /// A control within reach that the simulated hand cannot press. It is displayed in one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnpressableControl {
@@ -212,13 +215,23 @@ impl LoadedSetup {
 
     /// Returns a script that uses each control of the layout once, as far as the simulated hands can. Comments name what it leaves out.
     pub fn tour(&self) -> String {
-        let can_play = |stop: &TourStop| {
-            let format = Hc11Format::default();
-            self.scripted(&stop.actions, &format, 0.0, 0).is_ok()
-        };
-        let (stops, others): (Vec<TourStop>, Vec<TourStop>) = sim::aimed_tour(&self.layout)
+        let play = |script: &str| self.scripted(script, &Hc11Format::default(), 0.0, 0);
+        let (mut stops, mut others): (Vec<TourStop>, Vec<TourStop>) = sim::aimed_tour(&self.layout)
             .into_iter()
-            .partition(can_play);
+            .partition(|stop| play(&stop.actions).is_ok());
+        // From where the hand is after another control, a raised one may be in the way, or the end of the reach a little nearer.
+        for _ in 0..MAX_LEFT_OUT {
+            let text = sim::tour_text(&self.layout, &stops);
+            let Err(SetupError::File(error)) = play(&text) else {
+                break;
+            };
+            // The first line is the title.
+            let failed = error.line().and_then(|line| line.checked_sub(2));
+            let Some(failed) = failed.filter(|index| *index < stops.len()) else {
+                break;
+            };
+            others.push(stops.remove(failed));
+        }
         let mut text = sim::tour_text(&self.layout, &stops);
         for stop in others {
             let name = escape(&stop.name);
