@@ -136,7 +136,9 @@ impl CamerasFile {
                 continue;
             }
             let table: Table = value.try_into().map_err(|error: toml::de::Error| {
-                DocumentError::for_file(file, format!("the table `{key}`: {}", error.message()))
+                // The text has a second line with the key.
+                let reason = error.to_string().trim_end().replace('\n', " ");
+                DocumentError::for_file(file, format!("the table `{key}`: {reason}"))
             })?;
             let name = table.name.unwrap_or(key);
             let refused = |reason| CamerasFileError::Camera {

@@ -294,6 +294,11 @@ fn an_error_in_a_file_of_cameras_has_its_line() {
             no_size,
             "c.toml: the table `cam_1`: missing field `size`",
         ),
+        (
+            "c.toml",
+            "[cam_1]\nmatrix = [[1.0], [0.0], [0.0]]\n",
+            "c.toml: the table `cam_1`: invalid length 1, expected an array of length 3 in `matrix`",
+        ),
     ] {
         let format = if file.ends_with("ron") {
             CamerasFormat::Ron
