@@ -247,6 +247,7 @@ fn a_source_that_does_not_measure_the_point_is_named_with_what_to_do() {
         ("shoulder", None, "the glove"),
     ] {
         let reason = reason(anchor, source).unwrap_or_default();
+        assert!(reason.starts_with("`anchor: "), "{reason}");
         for part in [name, "does not measure", anchor, "body-landmarks"] {
             assert!(reason.contains(part), "{anchor} {source:?}: {reason}");
         }

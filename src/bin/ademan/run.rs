@@ -137,9 +137,11 @@ pub fn run(args: Args) -> Result<(), Failure> {
         );
     }
     let setup = setup.load_files()?;
-    let unmeasured = |layout| setup.unmeasured_body_point(layout);
-    if let Some(reason) = setup.layouts().find_map(unmeasured) {
-        return Err(Failure::wrong_use(reason));
+    for layout in setup.layouts() {
+        if let Some(reason) = setup.unmeasured_body_point(layout) {
+            let file = escape(&layout.file);
+            return Err(Failure::wrong_use(format!("{file}: {reason}")));
+        }
     }
     if view == ViewKind::Board {
         messages::hold();

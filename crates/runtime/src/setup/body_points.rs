@@ -32,8 +32,7 @@ impl LoadedSetup {
                 |source| format!("`{}`", escape(&source.to_string())),
             );
             Some(format!(
-                "{}: `anchor: {point}` follows the {point}, which {source} does not measure: nothing would be touched; {}",
-                escape(&layout.file),
+                "`anchor: {point}` follows the {point}, which {source} does not measure: nothing would be touched; {}",
                 remedy(point)
             ))
         })
