@@ -59,6 +59,11 @@ fn syntax() -> Vec<Mistake> {
             "3:15: a comment begins with `//`, not with `#`",
         ),
         (
+            "a comma too many",
+            board("rows: [(at_mm: (0, 0),, keys: \"Q W\")]"),
+            "3:23: there is no value before this comma; write it, or remove the comma",
+        ),
+        (
             "JSON",
             "{\"name\": \"t\", \"boards\": []}".into(),
             "1:1: expected fields in parentheses: `(…)`, not `{…}`",

@@ -36,6 +36,10 @@ pub(super) fn explain(text: &str, error: &SpannedError, format: &Format) -> Expl
     if let Some(hash) = hash_comment(text, range.start) {
         return Explained::new(hash, "a comment begins with `//`, not with `#`");
     }
+    if let Some(comma) = lone_comma(text, range.start) {
+        let message = "there is no value before this comma; write it, or remove the comma";
+        return Explained::new(comma, message);
+    }
     if let Some(quote) = unclosed_quote(text, range.start, &error.code) {
         return Explained::new(quote, "the text has no closing quote");
     }
@@ -299,6 +303,13 @@ fn hash_comment(text: &str, offset: usize) -> Option<Range<usize>> {
     // `#![enable(…)]` and `r#"…"#` are RON.
     let is_ron = text[hash..].starts_with("#!") || text[..hash].ends_with(['r', '"', '#']);
     (!is_ron).then(|| hash..hash + 1)
+}
+
+/// Returns the bytes of a comma at the error that has no value before it.
+fn lone_comma(text: &str, offset: usize) -> Option<Range<usize>> {
+    let before = text[..offset].trim_end();
+    let is_lone = text[offset..].starts_with(',') && before.ends_with([',', '(', '[', '{']);
+    is_lone.then(|| offset..offset + 1)
 }
 
 /// Returns the first line of a text in quotes whose closing quote is missing, if that is the cause of the error: the next quote,
