@@ -136,7 +136,10 @@ fn suggestion(nearest: &Option<String>, expected: &[String]) -> String {
     match nearest {
         Some(name) => format!(", did you mean `{}`?", escape(name)),
         None if expected.is_empty() => String::new(),
-        None => format!(", expected one of: {}", expected.join(", ")),
+        None => {
+            let names: Vec<_> = expected.iter().map(|name| escape(name)).collect();
+            format!(", expected one of: {}", names.join(", "))
+        }
     }
 }
 

@@ -232,7 +232,7 @@ fn parse_action(tokens: &[Token], names: &TargetNames) -> Result<HandAction, Syn
             } else {
                 let inputs = Input::NAMES.iter().chain(BodyAngle::NAMES).copied();
                 let unknown_input = |_: UnknownName| {
-                    let error = UnknownName::new("input", token.text, inputs);
+                    let error = UnknownName::one_of("input", token.text, inputs);
                     SyntaxError::new(token.span.clone(), error.to_string())
                 };
                 let input: Input = token.text.parse().map_err(unknown_input)?;
@@ -286,7 +286,7 @@ impl<'a> Arguments<'a> {
     fn target(&mut self, names: &TargetNames) -> Result<TargetId, SyntaxError> {
         let token = self.token("NAME")?;
         names.find(token.text).ok_or_else(|| {
-            let unknown = UnknownName::new("target", token.text, names.iter());
+            let unknown = UnknownName::one_of("target", token.text, names.iter());
             SyntaxError::new(token.span.clone(), unknown.to_string())
         })
     }

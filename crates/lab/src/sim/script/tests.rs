@@ -81,7 +81,11 @@ fn joined_angles_are_one_action_with_the_longest_duration() {
 #[test]
 fn errors_name_the_position_and_the_syntax() {
     let table = [
-        ("tap Q\nteh Q", "a.txt:2:1: unknown action `teh`"),
+        (
+            "tap Q\nteh Q",
+            "a.txt:2:1: unknown action `teh`, expected one of: tap, press, ",
+        ),
+        ("tap X", "a.txt:1:5: unknown target `X`, expected one of: "),
         (
             "tpa Q",
             "a.txt:1:1: unknown action `tpa`, did you mean `tap`?",
