@@ -485,6 +485,23 @@ fn an_error_that_follows_from_another_one_is_not_reported() {
         lines(&text),
         ["1:82: unknown key `Entre`, did you mean `Enter`?"]
     );
+    let sequence = |key: &str, steps: &str| {
+        let first =
+            format!("(name: \"a\", when: HandShape(name: \"fist\"), action: Key(\"{key}\"))");
+        let second = "(name: \"b\", when: HandShape(name: \"open-hand\"))";
+        let third = format!("(name: \"s\", when: Sequence(steps: [{steps}]), action: Key(\"A\"))");
+        lines(&layout(&format!(
+            "triggers: [{first},\n{second},\n{third}]"
+        )))
+    };
+    assert_eq!(
+        sequence("Entre", "\"a\", \"b\""),
+        ["2:68: unknown key `Entre`, did you mean `Enter`?"]
+    );
+    assert_eq!(
+        sequence("Enter", "\"b\", \"s\""),
+        ["4:42: unknown trigger before the sequence `s`"]
+    );
 }
 
 #[test]

@@ -392,6 +392,11 @@ fn sequence(
         };
         let others = || builder.triggers().iter();
         let Some((_, step)) = others().find(|(other, _)| other == name.text) else {
+            // A trigger that was not added has an error, unless it is the sequence itself.
+            let is_trigger = matches!(builder.target(name.text), Ok((_, "trigger")));
+            if is_trigger && name.text != own {
+                return Err(builder.consequence());
+            }
             let others = others().map(|(other, _)| other.as_str());
             let unknown = UnknownName::new("trigger before the sequence", name.text, others);
             return error(unknown.to_string());
