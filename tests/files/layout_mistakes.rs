@@ -470,9 +470,14 @@ fn all_mistakes_of_a_file_are_reported_at_once_in_the_order_of_the_file() {
 }
 
 #[test]
-fn a_position_with_names_is_one_error() {
-    let named = key("code: \"A\", at_mm: (x: 0, y: 0)");
-    assert_eq!(lines(&named), ["4:20: expected a number"]);
+fn a_value_with_a_name_is_one_error() {
+    let position = key("code: \"A\", at_mm: (x: 0, y: 0)");
+    assert_eq!(lines(&position), ["4:20: expected a number"]);
+    let action = key("action: Key(code: \"A\"), name: \"a\", at_mm: (0, 0)");
+    assert_eq!(
+        lines(&action),
+        ["4:13: expected a text in quotes: `\"code\"`"]
+    );
 }
 
 #[test]

@@ -65,7 +65,8 @@ fn next_error(
         incomplete.push(element.inside.end);
         let next_start = byte_range(&blanked, &next).start;
         let is_there = next_start == start || element.range.contains(&next_start);
-        if !is_there && !is_consequence(&next, next_start, incomplete) {
+        // A fault at the end of parentheses that lack a part now follows from that.
+        if !is_there && !incomplete.contains(&next_start) {
             return Some((blanked, next));
         }
     }
@@ -101,15 +102,4 @@ fn blank_out(text: &str, element: &Element) -> String {
     let blanks: String = text[element.range.clone()].bytes().map(blank).collect();
     let (before, after) = (&text[..element.range.start], &text[element.range.end..]);
     format!("{before}{blanks}{after}")
-}
-
-/// Returns `true` if an error is about parentheses that lack a part now: a fault of parentheses as a whole is reported at their end.
-fn is_consequence(error: &SpannedError, start: usize, incomplete: &[usize]) -> bool {
-    incomplete.contains(&start)
-        && matches!(
-            &error.code,
-            Error::MissingStructField { .. }
-                | Error::ExpectedDifferentLength { .. }
-                | Error::Message(_)
-        )
 }
