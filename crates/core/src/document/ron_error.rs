@@ -64,12 +64,14 @@ const CALCULATION: &str = "write the result of the calculation";
 /// The message for `300.5` or `1e3` where fractions have no meaning.
 const WHOLE_NUMBER: &str = "expected a whole number, in digits only";
 
-/// Returns the end of the error for a file of another kind: a command takes a setup without an option, and other files with one.
+/// Returns the end of the error for a file of another kind: a command takes a setup without an option, and other files with one; the arm
+/// `unam` is easily taken for the glove `unam-hc11`.
 fn other_file(expected: &str, found: &str) -> &'static str {
     match (expected, found) {
         ("Setup", "Layout") => "; `--layout` names a layout",
         ("Setup", "Glove") => "; `--glove` names a glove",
         ("Setup", "Person") => "; `--person` names a person",
+        ("Glove", "Arm" | "Layout" | "Person") => "; `ademan gloves` lists the gloves",
         _ => "",
     }
 }

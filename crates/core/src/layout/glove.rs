@@ -313,6 +313,13 @@ mod tests {
     use super::*;
     use crate::capture::protocol::lucidgloves;
 
+    #[test]
+    fn an_arm_in_place_of_a_glove_is_refused_with_the_list_of_gloves() {
+        let error = Glove::parse(&Document::shipped("unam").unwrap()).unwrap_err();
+        let expected = "expected `Glove(…)`, found `Arm`; `ademan gloves` lists the gloves";
+        assert_eq!(error.message(), expected);
+    }
+
     fn error(row: &str) -> String {
         let text = format!(
             "Glove(name: \"g\", side: \"right\", full_scale_counts: 255, rows: [\n({row}),\n])"
