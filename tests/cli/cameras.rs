@@ -171,6 +171,17 @@ fn marks_outside_the_image_are_refused_with_their_place() {
 }
 
 #[test]
+fn a_line_that_is_no_json_has_its_number_in_the_file_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let lines = "{\"cameras\": []}\n{\"cameras\" []}\n";
+    let wand = file(&folder, "wand.jsonl", lines);
+    let ended = calibrate(&wand, &folder.path().join("cameras.ron"));
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let expected = "wand.jsonl:2: expected `:` at column 12";
+    assert!(ended.err.contains(expected), "{}", ended.err);
+}
+
+#[test]
 fn an_unknown_camera_is_named_and_leaves_no_part_of_the_lines() {
     let folder = tempfile::tempdir().unwrap();
     let exact = room();

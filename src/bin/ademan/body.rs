@@ -307,8 +307,9 @@ pub fn body_of_landmarks(landmarks: &BodyLandmarks) -> BodyPoints {
 fn parse_body(text: &str) -> Result<(Option<u64>, BodyPoints), String> {
     let value = poses::json(text).map_err(|error| {
         format!(
-            "neither an object with the twelve points, a list of them, nor `pose_world_landmarks`: {error}; `ademan body angles --help` lists \
-             the formats"
+            "neither an object with the twelve points, a list of them, nor `pose_world_landmarks`: {}; `ademan body angles --help` lists \
+             the formats",
+            poses::json_reason(&error)
         )
     })?;
     let time_us = poses::time_us(&value)?;

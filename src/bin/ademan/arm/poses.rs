@@ -177,6 +177,13 @@ pub fn json(text: &str) -> Result<Value, serde_json::Error> {
     })
 }
 
+/// Returns the reason why a line is not what it should be, with its column. The line is the first one of its own text, not of its file.
+pub fn json_reason(error: &serde_json::Error) -> String {
+    error
+        .to_string()
+        .replace(" at line 1 column ", " at column ")
+}
+
 /// Returns the time that a line states, in microseconds.
 pub fn time_us(line: &Value) -> Result<Option<u64>, String> {
     match line.get("time_us") {

@@ -269,8 +269,8 @@ fn read_lines(paths: &[PathBuf]) -> Result<Vec<Line>, Failure> {
             let place = format!("{}:{number}", escape_path(path));
             let refused =
                 |reason: &str| Failure::wrong_use(format!("{place}: {}", escape_line(reason)));
-            let mut line: Line =
-                serde_json::from_str(&text).map_err(|error| refused(&error.to_string()))?;
+            let mut line: Line = serde_json::from_str(&text)
+                .map_err(|error| refused(&poses::json_reason(&error)))?;
             let mut marks = line.cameras.iter().flat_map(|view| &view.markers);
             if marks.any(|mark| mark.image.iter().any(|pixel| pixel.abs() > 1e6)) {
                 return Err(refused("a pixel beyond a million"));
