@@ -113,7 +113,10 @@ impl fmt::Display for PacketError {
 
 impl From<serde_json::Error> for PacketError {
     fn from(error: serde_json::Error) -> Self {
-        let text = error.to_string();
+        // Each packet is a text of its own: its first line is any line of a file.
+        let text = error
+            .to_string()
+            .replace(" at line 1 column ", " at column ");
         let reason = match error.classify() {
             serde_json::error::Category::Eof => InvalidPacket::Truncated,
             _ if text.starts_with("number out of range") => InvalidPacket::NotFinite,
@@ -165,6 +168,13 @@ mod tests {
         }
         let error = serde_json::from_str::<f64>("\"12\"").expect_err("no number");
         assert!(!PacketError::from(error).to_string().contains("time_us"));
+    }
+
+    #[test]
+    fn an_error_of_json_has_the_column_in_its_line() {
+        let error = serde_json::from_str::<[f64; 3]>("[1,2,x]").expect_err("no number");
+        let text = PacketError::from(error).to_string();
+        assert_eq!(text, "expected value at column 6");
     }
 
     #[test]
