@@ -12,6 +12,10 @@ pub(super) enum Fault {
     /// The error waits at the part of the parser that returned it.
     Waits,
     Message(String),
+    InvalidText {
+        found: String,
+        expected: String,
+    },
     InvalidValue {
         found: String,
         expected: String,
@@ -32,6 +36,9 @@ impl Fault {
         match self {
             Self::Waits => waits.unwrap_or_else(|| E::custom(&self)),
             Self::Message(message) => E::custom(message),
+            Self::InvalidText { found, expected } => {
+                E::invalid_value(Unexpected::Str(&found), &expected.as_str())
+            }
             Self::InvalidValue { found, expected } => {
                 E::invalid_value(Unexpected::Other(&found), &expected.as_str())
             }
@@ -49,7 +56,7 @@ impl fmt::Display for Fault {
         match self {
             Self::Waits => f.write_str("invalid RON"),
             Self::Message(message) => f.write_str(message),
-            Self::InvalidValue { found, expected } => {
+            Self::InvalidText { found, expected } | Self::InvalidValue { found, expected } => {
                 write!(f, "invalid value: {found}, expected {expected}")
             }
             Self::InvalidLength { found, expected } => {
@@ -75,9 +82,16 @@ impl Error for Fault {
     }
 
     fn invalid_value(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
-        Self::InvalidValue {
-            found: found.to_string(),
-            expected: expected.to_string(),
+        let expected = expected.to_string();
+        match found {
+            Unexpected::Str(text) => Self::InvalidText {
+                found: text.to_owned(),
+                expected,
+            },
+            found => Self::InvalidValue {
+                found: found.to_string(),
+                expected,
+            },
         }
     }
 
