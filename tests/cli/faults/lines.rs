@@ -3,13 +3,16 @@
 use std::fs::{self, Permissions};
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::CommandExt;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::limit_descriptors;
 use super::line::{PseudoTerminal, SerialRun};
 use crate::support::binary::{ademan, copy_binary};
+use crate::support::glove::Glove;
 use crate::support::press::Press;
+use crate::support::run::start_with_lines;
 use crate::support::wearer::packets;
 
 #[test]
@@ -205,4 +208,36 @@ fn at_the_right_baud_the_received_bytes_are_the_sent_ones() {
     let bytes: Vec<u8> = (0..=255).collect();
     assert_eq!(received_at(&bytes, 9_600, 9_600), bytes);
     assert_ne!(received_at(&bytes, 9_600, 115_200), bytes);
+}
+
+#[test]
+fn a_glove_that_is_lost_while_no_file_descriptor_is_free_types_again_once_there_are_some() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let port = folder.path().join("glove");
+    let setup = folder.path().join("setup.ron");
+    fs::write(&setup, "Setup(stall_timeout_ms: 10000)").expect("a file");
+    let press = Press::for_text("h");
+    let mut glove = Glove::plug_in(&port, press.clear());
+    let source = format!("serial:{}", port.display());
+    let setup = setup.to_str().expect("a plain path");
+    let mut command = ademan(["run", setup, "--source", &source, "--control", "off", "-vv"]);
+    command.env_remove("XDG_RUNTIME_DIR").stdin(Stdio::null());
+    let (program, events, messages) = start_with_lines(&mut command);
+    let mut run = SerialRun {
+        program,
+        events,
+        messages,
+    };
+    run.wait_for_message("armed: ");
+    // Standard input, output and error have the numbers below it.
+    limit_descriptors(run.program.0.id(), 3);
+    glove.unplug();
+    run.wait_for_message("cannot list the serial ports: Too many open files");
+    limit_descriptors(run.program.0.id(), 256);
+    let replugged = Glove::plug_in(&port, press.clear());
+    run.wait_for_message("reconnected to");
+    run.wait_for_message("armed: ");
+    replugged.play(&[&press.approach[..], &press.lift[..]].concat());
+    assert_eq!([run.next_event(), run.next_event()], ["down H", "up H"]);
+    assert_eq!(run.end(), Some(0));
 }

@@ -200,10 +200,8 @@ pub fn listen(
 }
 
 fn present_ports() -> Vec<Port> {
-    if !can_list_ports() {
-        return Vec::new();
-    }
-    match serialport::available_ports() {
+    let checked = check_port_list().map_err(serialport::Error::from);
+    match checked.and_then(|()| serialport::available_ports()) {
         Ok(ports) => ports.into_iter().map(Port::from).collect(),
         Err(error) => {
             tracing::debug!("cannot list the serial ports: {error}");
@@ -212,9 +210,12 @@ fn present_ports() -> Vec<Port> {
     }
 }
 
-/// Returns `false` where `serialport` would panic: on Linux without a mounted `/sys`.
-fn can_list_ports() -> bool {
-    !cfg!(target_os = "linux") || Path::new("/sys/class/tty").is_dir()
+/// Fails where `serialport` would panic: on Linux without a mounted `/sys`, or without a free file descriptor.
+fn check_port_list() -> std::io::Result<()> {
+    if cfg!(target_os = "linux") {
+        std::fs::read_dir("/sys/class/tty").map(drop)?;
+    }
+    Ok(())
 }
 
 /// Returns the device behind a link such as the links in `/dev/serial/by-id`.
