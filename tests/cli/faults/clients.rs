@@ -1,10 +1,12 @@
 //! More clients of the control socket than it accepts.
 
+use std::fs;
 use std::io::{BufRead, BufReader, ErrorKind, Write};
 use std::os::unix::net::UnixStream;
 
 use ademan::session::control_socket::Client;
 
+use super::limit_descriptors;
 use crate::support::run::{Run, TIMEOUT};
 
 #[test]
@@ -44,5 +46,22 @@ fn a_thousand_connections_end_and_the_first_client_is_served() {
     run.lift();
     assert_eq!(run.next_event(), "up H");
     drop(connected);
+    let _ = run.program.0.kill();
+}
+
+/// The thread of a client that has its response closes the connection a moment later, and the next client has come by then.
+#[test]
+fn commands_in_a_row_are_executed_although_no_file_descriptor_is_free() {
+    let mut run = Run::with_held_key(&["--control", "c.sock"]);
+    let path = run.folder.path().join("c.sock");
+    let process = run.program.0.id();
+    let descriptors = fs::read_dir(format!("/proc/{process}/fd")).expect("it runs");
+    limit_descriptors(process, descriptors.count() as u64);
+    for number in 0..500 {
+        let mut client = Client::connect(&path).expect("the program listens");
+        let reply = client.request(r#"{"command":"state"}"#);
+        let reply = reply.unwrap_or_else(|error| panic!("command {number}: {error}"));
+        assert!(reply.contains("\"running\""), "{reply}");
+    }
     let _ = run.program.0.kill();
 }

@@ -10,6 +10,7 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use rustix::event::{PollFd, PollFlags, poll};
 use rustix::fs::{Mode, fchmod};
 use rustix::io::{Errno, retry_on_intr};
 use rustix::net::sockopt::{
@@ -128,6 +129,14 @@ impl Listener {
     /// Makes [`accept`](Self::accept) return `WouldBlock` instead of blocking.
     pub fn set_nonblocking(&self) -> io::Result<()> {
         self.socket.set_nonblocking(true)
+    }
+
+    /// Waits for the next client. [`accept`](Self::accept) takes a file descriptor before it waits, and fails without one although there
+    /// is no client.
+    pub fn wait_for_client(&self) -> io::Result<()> {
+        let mut descriptors = [PollFd::new(&self.socket, PollFlags::IN)];
+        retry_on_intr(|| poll(&mut descriptors, None))?;
+        Ok(())
     }
 
     /// Accepts the next client. Fails if the client belongs to another user.

@@ -19,7 +19,8 @@ use crate::output::socket::{Listener, Stream};
 /// Delay after a failure to accept a client, such as a lack of file descriptors.
 const RETRY_DELAY: Duration = Duration::from_millis(100);
 
-/// Time in which the thread of a disconnected client closes the connection.
+/// Time in which the thread of a client that has left closes the connection, and the thread of one that has connected reads its
+/// request.
 const DISCONNECT_DELAY: Duration = Duration::from_millis(5);
 
 /// A control socket. Dropping it removes the socket.
@@ -71,6 +72,7 @@ impl ControlServer {
             subscribers: queue.subscribers.clone(),
             context: Arc::new(context),
             clients: Clients::default(),
+            has_waited: false,
         };
         spawn("control notify", move || broadcast(&queue))?;
         spawn("control", move || acceptor.run())
@@ -93,21 +95,26 @@ struct Acceptor {
     clients: Clients,
     /// A file descriptor for a client that comes when there are no others.
     spare: Option<File>,
+    /// `true` if the client that connects has waited for the clients before it.
+    has_waited: bool,
 }
 
 impl Acceptor {
     fn run(&mut self) {
         loop {
-            let accepted = self.listener.accept();
+            let client = self.listener.wait_for_client();
+            let accepted = client.and_then(|()| self.listener.accept());
             if self.is_closed.load(Ordering::Relaxed) {
                 return;
             }
             let started = accepted.and_then(|stream| self.serve_client(stream));
             match started {
-                Ok(()) if self.spare.is_none() => {
-                    self.spare = self.listener.spare_descriptor().ok();
+                Ok(()) => {
+                    self.has_waited = false;
+                    if self.spare.is_none() {
+                        self.spare = self.listener.spare_descriptor().ok();
+                    }
                 }
-                Ok(()) => {}
                 Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
                     tracing::warn!("control socket: {error}");
                 }
@@ -119,6 +126,11 @@ impl Acceptor {
     /// Makes a file descriptor free for the client that could not be accepted, so that a command gets through.
     fn free_descriptor(&mut self) {
         if self.spare.take().is_some() {
+            return;
+        }
+        if !std::mem::replace(&mut self.has_waited, true) {
+            // A client that has its response is about to leave, and one that has just connected sends its request.
+            thread::sleep(DISCONNECT_DELAY);
             return;
         }
         let is_disconnected = self.clients.disconnect_idle();

@@ -114,6 +114,11 @@ impl Listener {
         &self.path
     }
 
+    /// Returns at once: [`accept`](Self::accept) waits.
+    pub fn wait_for_client(&self) -> io::Result<()> {
+        Ok(())
+    }
+
     /// Waits for the next client.
     pub fn accept(&self) -> io::Result<Stream> {
         Stream::new(self.pipe.accept()?)
