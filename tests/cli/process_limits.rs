@@ -1,7 +1,7 @@
 //! Limits of the operating system on processes and priorities.
 
 use std::fs::{self, Permissions};
-use std::os::unix::fs::PermissionsExt;
+use std::os::unix::fs::{PermissionsExt, chown};
 use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -10,6 +10,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::support::binary::copy_binary;
+use crate::support::run::shipped;
 use crate::{Ended, ademan};
 
 /// Number of users that this process has made up.
@@ -46,6 +47,17 @@ impl User {
 
     fn path(&self) -> &Path {
         self.folder.path()
+    }
+
+    /// Writes the layout `qwerty-flat` to `own/my.ron`, which only this user may change.
+    fn write_layout(&self) {
+        let own = self.path().join("own");
+        fs::create_dir(&own).expect("an own folder");
+        fs::write(own.join("my.ron"), shipped("qwerty-flat")).expect("a file");
+        for (path, mode) in [(own.join("my.ron"), 0o644), (own, 0o755)] {
+            fs::set_permissions(&path, Permissions::from_mode(mode)).expect("an own path");
+            chown(&path, Some(self.id), None).expect("this process starts others as this user");
+        }
     }
 
     /// Returns the program as this user, started by `wrapper`, whose last command is `setpriv`.
@@ -90,8 +102,11 @@ fn a_program_that_may_start_few_threads_ends_with_a_remedy_and_not_with_a_panic(
     let Some(user) = User::new() else {
         return;
     };
-    let commands: [&[&str]; 4] = [
+    user.write_layout();
+    let commands: [&[&str]; 5] = [
         &["run", "--source", "typist:hi", "--control", "c.sock"],
+        // The file is watched.
+        &["run", "--source", "typist:hi", "--layout", "own/my.ron"],
         &["run", "--source", "typist:hi", "--record", "run.mcap"],
         &["record", "hand.mcap", "--source", "typist:hi"],
         &["demo", "--text", "hi"],

@@ -13,11 +13,12 @@ mod tests;
 mod watch_set;
 
 use std::io;
+use std::mem;
 use std::path::{Path, absolute};
 
 use crossbeam_channel::{Receiver, bounded};
 use notify::event::{AccessKind, AccessMode};
-use notify::{ErrorKind, Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
+use notify::{Config, ErrorKind, Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 
 use self::watch_set::WatchSet;
 
@@ -38,7 +39,7 @@ impl FileWatcher {
     /// Watches the file at `path`, which may not exist yet.
     ///
     /// # Errors
-    /// If the system has no events, too many watches exist, or the file is on a file system that other machines can
+    /// If the system has no events, too many watches or threads exist, or the file is on a file system that other machines can
     /// change without an event.
     pub fn new(path: &str) -> io::Result<Self> {
         let path = absolute(path)?;
@@ -67,6 +68,11 @@ impl FileWatcher {
             }
         };
         let mut watcher = notify::recommended_watcher(handler).map_err(into_io)?;
+        if watcher.configure(Config::default()).is_err() {
+            // Every other call of a watcher without a thread panics, also when it is dropped.
+            mem::forget(watcher);
+            return Err(io::Error::other("the system permits no further thread"));
+        }
         for directory in &set.directories {
             if !platform::reports_remote_changes(directory)? {
                 let reason = "other machines can change this file system without an event";
