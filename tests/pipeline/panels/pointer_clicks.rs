@@ -192,6 +192,24 @@ fn a_cursor_that_was_moved_and_rests_clicks_once() {
 }
 
 #[test]
+fn a_cursor_that_rests_because_the_clutch_is_off_does_not_click() {
+    let dwell = "dwell: (time_ms: 300, radius_px: 10, action: Key(\"MouseLeft\")), \
+                 clutch: Flexion(\"ring-pip-flexion\", 60)";
+    let after = |end: &str| {
+        let start = "open & set ring-pip-flexion 0; set ring-pip-flexion 60; set wrist-deviation 1";
+        play(dwell, &format!("{start}; {end}"))
+    };
+    assert_eq!(after("wait 1000"), "move=+50,+0 dn:MouseLeft up:MouseLeft");
+    let released = "wait 100; set ring-pip-flexion 0; wait 1000";
+    assert_eq!(after(released), "move=+50,+0");
+    assert_eq!(
+        after(&format!("{released}; set ring-pip-flexion 60; wait 1000")),
+        "move=+50,+0",
+        "the wearer has not moved it since"
+    );
+}
+
+#[test]
 fn motion_scrolls_while_the_scroll_gesture_is_on() {
     let scroll = "scroll: (gesture: Flexion(\"little-mcp-flexion\", 60), px_per_detent: 50)";
     assert_eq!(

@@ -180,8 +180,7 @@ impl ScreenPointer {
     }
 
     fn drive_axes(&mut self, posture: &HandPosture, time: Timestamp, out: &mut DeviceOutput) {
-        let is_engaged =
-            !self.gestures.is_clutch_released() && !out.arbiter.is_pressed(KeyAction::Clutch);
+        let is_engaged = !self.is_disengaged(out);
         let gain = self.precision(out);
         let axes = &self.settings.axes;
         self.axes
@@ -225,7 +224,7 @@ impl ScreenPointer {
             self.held_back = Vec2::ZERO;
             self.is_dragging = false;
         }
-        if self.gestures.is_clutch_released() || out.arbiter.is_pressed(KeyAction::Clutch) {
+        if self.is_disengaged(out) {
             return true;
         }
         if is_pressing && !self.is_dragging {
@@ -234,6 +233,11 @@ impl ScreenPointer {
             return true;
         }
         !is_pressing && self.gestures.is_near()
+    }
+
+    /// Returns `true` if the wearer holds the pointer still: the clutch is off, or a key for it is held.
+    fn is_disengaged(&self, out: &DeviceOutput) -> bool {
+        self.gestures.is_clutch_released() || out.arbiter.is_pressed(KeyAction::Clutch)
     }
 
     /// Returns the factor from motion of the hand to motion of the cursor.
@@ -264,7 +268,8 @@ impl ScreenPointer {
         let Some((settings, action)) = self.settings.dwell else {
             return;
         };
-        if self.gestures.is_pressing() || self.gestures.is_scrolling() {
+        let is_busy = self.gestures.is_pressing() || self.gestures.is_scrolling();
+        if is_busy || self.is_disengaged(out) {
             self.dwell = DwellDetector::default();
             return;
         }
