@@ -344,12 +344,13 @@ fn errors_in_a_setup_name_the_file_and_the_position() {
 #[test]
 fn all_invalid_values_of_a_setup_are_reported_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    let setup = "Setup(\n    panic_keys: [\"Foo\"],\n    max_presses_per_second: 0,\n    stall_timeout_ms: 5,\n)";
+    let setup = "Setup(\n    panic_keys: [\"Foo\"],\n    max_presses_per_second: 0,\n    stall_timeout_ms: 5,\n    desktop_part: (left: 0.5, right: 0.5),\n)";
     let path = file(&folder, "bad.ron", setup);
     let errors = [
         "bad.ron:2:18: `panic_keys`: unknown key `Foo`",
         "bad.ron:3:29: `max_presses_per_second` is 1 to 1000, not 0",
         "bad.ron:4:23: `stall_timeout_ms` is 20 to 10000, not 5",
+        "bad.ron:5:19: `desktop_part`: its edges are fractions of the desktop",
     ];
     refused(&format!("run {path}"), &errors);
 }

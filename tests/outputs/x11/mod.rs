@@ -10,6 +10,7 @@ mod both_killed;
 mod bursts;
 #[cfg(target_os = "linux")]
 mod characters;
+mod desktop_part;
 mod doctor;
 mod ends;
 #[cfg(target_os = "linux")]

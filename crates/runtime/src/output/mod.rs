@@ -24,6 +24,7 @@ mod axis_state;
 )]
 mod character_key;
 pub mod desktop;
+mod desktop_part;
 pub mod ime;
 pub mod midi;
 mod null;
@@ -42,9 +43,10 @@ pub mod watchdog;
 mod watchdog_process;
 
 pub use desktop::{Desktop, SUPPORTS_WAYLAND};
+pub use desktop_part::DesktopPart;
 pub use open::{
     available, check, check_layout_change, check_presence, has_effect, keeps_order, open,
-    open_with_watchdog, transcript_files, uses_backend, uses_stdout,
+    open_for_session, transcript_files, uses_backend, uses_stdout,
 };
 pub use router::Router;
 pub use text_field::{FieldKind, TextField};

@@ -5,8 +5,8 @@ use std::path::Path;
 use super::router::{Route, Router, route};
 use super::watchdog::WatchdogSettings;
 use super::{
-    BACKENDS, Backend, OpenRequest, OutputError, Sink, find_backend, ime, midi, null, spacenav,
-    transcript,
+    BACKENDS, Backend, DesktopPart, OpenRequest, OutputError, Sink, find_backend, ime, midi, null,
+    spacenav, transcript,
 };
 use ademan_core::device::{Capabilities, Capability};
 use ademan_core::message::escape;
@@ -54,21 +54,15 @@ impl NamedOutput<'_> {
 /// several outputs, each capability is carried by the first output that supports it (see [`Router`]). Nothing is
 /// opened if a required capability is not supported by any of them.
 pub fn open(names: &str, required: &Capabilities) -> Result<Box<dyn Sink>, OutputError> {
-    open_all(names, required, None)
+    open_for_session(names, required, None, None)
 }
 
-/// Opens outputs as [`open`] does, each with a [watchdog](super::watchdog) if its keys would outlive this process.
-pub fn open_with_watchdog(
+/// Opens outputs as [`open`] does, with absolute positions within `part` of the desktop, and with a [watchdog](super::watchdog) for each
+/// output whose keys would outlive this process.
+pub fn open_for_session(
     names: &str,
     required: &Capabilities,
-    watchdog: &WatchdogSettings,
-) -> Result<Box<dyn Sink>, OutputError> {
-    open_all(names, required, Some(watchdog))
-}
-
-fn open_all(
-    names: &str,
-    required: &Capabilities,
+    part: Option<DesktopPart>,
     watchdog: Option<&WatchdogSettings>,
 ) -> Result<Box<dyn Sink>, OutputError> {
     check(names, required)?;
@@ -84,9 +78,9 @@ fn open_all(
     };
     let sinks = outputs.iter().enumerate().map(open_one);
     let mut sinks = sinks.collect::<Result<Vec<_>, _>>()?;
-    Ok(match sinks.len() {
-        1 => sinks.remove(0),
-        _ => Box::new(Router::new(sinks)),
+    Ok(match part {
+        None if sinks.len() == 1 => sinks.remove(0),
+        _ => Box::new(Router::new(sinks).in_part(part.unwrap_or_default())),
     })
 }
 

@@ -1,6 +1,6 @@
 //! One stream of events to several outputs.
 
-use super::{LogFailureReceiver, OutputError, Sink, TextField};
+use super::{DesktopPart, LogFailureReceiver, OutputError, Sink, TextField};
 use ademan_core::contact::TargetNames;
 use ademan_core::device::signals::Signals;
 use ademan_core::device::{Capabilities, Capability, EventKind, Events, OutputEvent, TimedCommand};
@@ -41,6 +41,8 @@ pub struct Router {
     /// For each output, `true` if it is a log that has failed.
     failed_logs: Vec<bool>,
     on_log_failure: Option<LogFailureReceiver>,
+    /// The part of the desktop for absolute positions, except in logs.
+    part: DesktopPart,
 }
 
 impl Router {
@@ -62,7 +64,13 @@ impl Router {
             buffer: Events::new(),
             has_effect,
             on_log_failure: None,
+            part: DesktopPart::default(),
         }
+    }
+
+    /// Sets the part of the desktop for absolute positions. Logs write the positions of the layout.
+    pub(super) fn in_part(self, part: DesktopPart) -> Self {
+        Self { part, ..self }
     }
 
     /// Sends the buffer to the output at `index`. The error of a log that may fail is reported.
@@ -98,7 +106,12 @@ impl Sink for Router {
                     result = result.and(self.send_buffer(index));
                     self.buffer.clear();
                 }
-                self.buffer.push(*event);
+                let kind = if self.routes[index].is_log {
+                    event.kind
+                } else {
+                    self.part.place(event.kind)
+                };
+                self.buffer.push(OutputEvent { kind, ..*event });
             }
             result = result.and(self.send_buffer(index));
         }
@@ -228,6 +241,7 @@ mod tests {
                 EventKind::Character(character) => character.into(),
                 EventKind::Scroll(..) => "scroll".into(),
                 EventKind::Axis(axis, _) => axis.name().into(),
+                EventKind::MoveTo(x, y) => format!("to {x} {y}"),
                 EventKind::Value(..) => "value".into(),
                 _ => "other".into(),
             };
@@ -292,6 +306,21 @@ mod tests {
         assert_eq!(lines(&log), expected);
         assert_eq!(router.dropped_presses(), 6);
         assert_eq!(router.coalesced_motions(), 9);
+    }
+
+    #[test]
+    fn positions_are_within_the_part_of_the_desktop_and_logs_have_those_of_the_layout() {
+        let (whole, log) = router(&[("transcript", false), ("desktop", false)]);
+        let mut right_half = whole.in_part(DesktopPart {
+            left: 0.5,
+            ..DesktopPart::default()
+        });
+        let position = EventKind::MoveTo(0.5, 0.25);
+        right_half
+            .send(&[event(1, position), down(1, "A")])
+            .unwrap();
+        let expected = ["transcript to 0.5 0.25 +A", "desktop to 0.75 0.25 +A"];
+        assert_eq!(lines(&log), expected);
     }
 
     #[test]

@@ -357,10 +357,10 @@ impl Session {
         if let Some(sink) = self.options.output.take() {
             return Ok(sink);
         }
-        let names = &self.setup.setup.output;
+        let (names, part) = (&self.setup.setup.output, self.setup.setup.desktop_part);
         let required = self.setup.required_capabilities();
         let Some(watchdog) = self.options.watchdog.take() else {
-            return output::open(names, &required);
+            return output::open_for_session(names, &required, part, None);
         };
         let commands = self.command_sender.with_origin(CommandOrigin::Watchdog);
         let notices = self.notices.sender();
@@ -377,7 +377,7 @@ impl Session {
                 notices.send(Notice::WatchdogLost);
             }),
         };
-        output::open_with_watchdog(names, &required, &settings)
+        output::open_for_session(names, &required, part, Some(&settings))
     }
 
     /// Returns the source that this session opens itself.

@@ -27,6 +27,7 @@ impl Setup {
             self.check_position_filter(),
             self.check_press_rate(),
             self.check_stall_timeout(),
+            self.check_desktop_part(),
             self.check_other_role(),
             self.check_panic_keys(),
             self.check_language(),
@@ -193,6 +194,14 @@ impl Setup {
         }
         let message = format!("`stall_timeout_ms` is 20 to 10000, not {stall_timeout_ms}");
         Err(SetupError::Value(message))
+    }
+
+    fn check_desktop_part(&self) -> Result<(), SetupError> {
+        if self.desktop_part.is_none_or(|part| part.is_valid()) {
+            return Ok(());
+        }
+        let message = "`desktop_part`: its edges are fractions of the desktop, 0 to 1, and `left` is less than `right` and `top` less than `bottom`";
+        Err(SetupError::Value(message.into()))
     }
 
     /// Checks that a role of the other hand belongs to a source of its own.

@@ -37,6 +37,7 @@ use crate::capture::protocol::lucidgloves;
 use crate::capture::recording::kind;
 use crate::capture::{CaptureError, Haptics, SourceUri};
 use crate::files::OpenDocument;
+use crate::output::DesktopPart;
 use crate::share::ShareTarget;
 use crate::sim::TypistError;
 use crate::text::{Language, TextModeSchema, TextSetup};
@@ -87,6 +88,10 @@ schema! {
         pub profiles_by_application: Vec<ApplicationProfile>,
         /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, …. A file names a transcript without a folder.
         pub output: String,
+        /// The part of the desktop in which absolute positions of the pointer are, such as one of several monitors. Default: the
+        /// whole desktop.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub desktop_part: Option<DesktopPart>,
         /// Formats and addresses in which the hand is shared with other programs: `web:127.0.0.1:8080`. A recording's are not used.
         pub share: Vec<ShareTarget>,
         /// A run shows an icon with its state and a menu in the tray of the desktop.
@@ -250,6 +255,7 @@ const FORMAT: Format = Format {
             Structure::of::<OtherHand>("other_hand"),
             Structure::of::<ProfileSetup>("profiles"),
             Structure::of::<ApplicationProfile>("profiles_by_application"),
+            Structure::of::<DesktopPart>("desktop_part"),
             Structure::of::<TextSetup>("text"),
         ]
     },
@@ -308,6 +314,7 @@ impl Default for Setup {
             profiles: Vec::new(),
             profiles_by_application: Vec::new(),
             output: "transcript".into(),
+            desktop_part: None,
             share: Vec::new(),
             tray: false,
             notify: false,
