@@ -225,17 +225,19 @@ fn a_layout_without_boards_refuses_every_move() {
     command.stdout(Stdio::null()).stderr(Stdio::null());
     let _run = Process::start(&mut command).expect("the program starts");
     wait_until(|| Client::connect(Path::new(socket)).is_ok());
-    for request in [
-        &["nudge", "0", "0", "-5"][..],
-        &["tilt", "5"],
-        &["scale", "1.5"],
-        &["recenter"],
+    let no_boards = "the active layout has no boards; nothing was moved";
+    let at_hand = ". A pointer or targets are placed at the hand with `pose: (anchor: start)`";
+    for (request, remedy) in [
+        (&["nudge", "0", "0", "-5"][..], ""),
+        (&["tilt", "5"][..], ""),
+        (&["scale", "1.5"][..], ""),
+        (&["recenter"][..], at_hand),
     ] {
         let output = ademan(&[&["ctl", "--socket", socket], request].concat()).output();
         let output = output.expect("the program starts");
         let err = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{request:?}: {err}");
-        let expected = "error: the active layout has no boards; nothing was moved\n";
+        let expected = format!("error: {no_boards}{remedy}\n");
         assert_eq!(err, expected, "{request:?}");
     }
 }

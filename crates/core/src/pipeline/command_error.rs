@@ -23,6 +23,11 @@ pub enum CommandError {
     /// The active layout has no boards that could be moved.
     #[error("the active layout has no boards; nothing was moved")]
     NoBoards,
+    /// The active layout has no boards that could be moved to the hand, and nothing that is placed at the hand.
+    #[error(
+        "the active layout has no boards; nothing was moved. A pointer or targets are placed at the hand with `pose: (anchor: start)`"
+    )]
+    NothingToRecenter,
     /// A position is outside the range of a layout file.
     #[error("board {0} would be more than 2000 mm from its anchor; no board was moved")]
     TooFar(usize),

@@ -165,7 +165,7 @@ impl Pipeline {
             return Ok(());
         }
         if self.layout().scene().surfaces().is_empty() {
-            return Err(CommandError::NoBoards);
+            return Err(CommandError::NothingToRecenter);
         }
         let index = self.last_tracked_hand().ok_or(CommandError::NoHand)?;
         let layout = &self.profiles[self.active_profile].layout;
