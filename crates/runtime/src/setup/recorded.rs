@@ -162,6 +162,8 @@ impl Setup {
         self.arm_immediately = own.arm_immediately;
         self.allow_system_keys = own.allow_system_keys;
         self.panic_keys.clone_from(&own.panic_keys);
+        // No permission: the monitors of this machine.
+        self.desktop_part = own.desktop_part;
         let differing = fields.into_iter().filter(|(_, differs)| *differs);
         differing.map(|(name, _)| name).collect()
     }
@@ -219,6 +221,14 @@ mod tests {
                 "panic_keys"
             ]
         );
+    }
+
+    #[test]
+    fn a_replay_with_an_effect_uses_the_part_of_the_desktop_of_this_machine() {
+        let text = "Setup(source: \"typist:hello\", desktop_part: (left: 0.5))";
+        let part = |own: Option<&Setup>| load_text(text, own).unwrap().setup.desktop_part;
+        assert_eq!(part(Some(&Setup::default())), None);
+        assert_eq!(part(None).map(|it| it.left), Some(0.5));
     }
 
     #[test]
