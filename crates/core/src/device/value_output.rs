@@ -151,8 +151,10 @@ impl ValueEmitter {
         if !value.is_finite() {
             return;
         }
+        self.drop_waiting_of_other_hand(value, out);
         self.emit_value(value, time, out);
         self.emit_output(value, time, out);
+        self.wait_only_at(value);
     }
 
     /// Sets a value that wraps around at 1 and emits the changes. Returns the number of whole turns by which the value was reduced.
@@ -162,8 +164,10 @@ impl ValueEmitter {
         }
         let turns = value.floor();
         let wrapped = value - turns;
+        self.drop_waiting_of_other_hand(wrapped, out);
         self.emit_value(wrapped, time, out);
         self.emit_output(value, time, out);
+        self.wait_only_at(wrapped);
         self.emitted += self.units(wrapped) - self.units(value);
         turns
     }
@@ -203,6 +207,22 @@ impl ValueEmitter {
     fn drop_waiting(&mut self) {
         if self.waits_for.take().is_some() {
             self.emitted = self.units(self.value);
+        }
+    }
+
+    /// Drops the taps that wait for the pace in steps of the other hand, if the hand of this step moves the control to another value. The
+    /// other hand must not tap for it: this hand may only be allowed to point.
+    fn drop_waiting_of_other_hand(&mut self, value: f32, out: &DeviceOutput) {
+        let side = out.arbiter.step_side();
+        if value != self.value && self.waits_for.is_some_and(|by| by != side) {
+            self.drop_waiting();
+        }
+    }
+
+    /// Lets taps wait only if the value was emitted: otherwise those that wait would tap back to the value before. The next call emits both.
+    fn wait_only_at(&mut self, value: f32) {
+        if self.value != value {
+            self.waits_for = None;
         }
     }
 
@@ -260,7 +280,7 @@ impl ValueEmitter {
     ) {
         let side = out.arbiter.step_side();
         if self.waits_for.take_if(|by| *by == side).is_none() && self.waits_for.is_some() {
-            // The other hand may not be allowed to tap.
+            // What is due waits for a step of the other hand.
             return;
         }
         let source = PressSource::Part(self.target, 0);
@@ -309,5 +329,53 @@ pub(super) fn drop_waiting<T>(controls: &mut [(T, ValueEmitter)], side: Side) {
         if emitter.waits_for == Some(side) {
             emitter.drop_waiting();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::device::key_arbiter::KeyArbiter;
+    use crate::device::{Events, TimedCommands};
+
+    #[test]
+    fn a_hand_that_may_only_point_adds_no_taps_to_those_that_wait_for_the_other_hand() {
+        let key = |name: &str| KeyAction::Key(name.parse().expect("the name of a key"));
+        let output = ValueOutput::Taps {
+            increase: key("A"),
+            decrease: key("B"),
+            steps: 100,
+        };
+        let mut emitter = ValueEmitter::new(TargetId(0), output, 0.0);
+        let mut arbiter = KeyArbiter::default();
+        arbiter.set_tap_gap(Duration::from_millis(100));
+        // Returns the number of taps in a step of a hand, which may move the control.
+        let mut taps = |side: Side, seconds: u64, value: Option<f32>| {
+            let time = Timestamp(seconds * 1_000_000);
+            let (mut events, mut commands) = (Events::new(), TimedCommands::new());
+            // The left hand may only point.
+            arbiter.begin_step(side, [true, false]);
+            let mut out = DeviceOutput {
+                arbiter: &mut arbiter,
+                events: &mut events,
+                commands: &mut commands,
+            };
+            if let Some(moved_to) = value {
+                emitter.set(moved_to, time, &mut out);
+            }
+            emitter.catch_up(time, &mut out);
+            let is_press = |kind: EventKind| matches!(kind, EventKind::KeyDown(_));
+            events.iter().filter(|event| is_press(event.kind)).count()
+        };
+        // Ten steps: six taps at once, and the others wait for the right hand.
+        assert_eq!(taps(Side::Right, 1, Some(0.1)), 6);
+        assert_eq!(taps(Side::Left, 2, Some(0.1)), 0);
+        assert_eq!(taps(Side::Right, 2, None), 4);
+        assert_eq!(taps(Side::Right, 10, Some(0.2)), 6);
+        assert_eq!(taps(Side::Left, 11, Some(0.9)), 0);
+        assert_eq!(taps(Side::Right, 12, None), 0);
+        assert_eq!(taps(Side::Right, 20, Some(0.91)), 1);
     }
 }
