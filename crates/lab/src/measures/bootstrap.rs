@@ -70,7 +70,7 @@ fn outside(people: usize) -> f64 {
     normal_tail(student_quantile(degrees) * (people as f64 / degrees).sqrt())
 }
 
-/// Returns the 97.5 % quantile of Student's distribution (Abramowitz & Stegun 1964, 26.7.5): too small by 0.001 for five degrees of
+/// Returns the 97.5 % quantile of Student's distribution (Abramowitz & Stegun 1964, 26.7.5): too small by 0.0003 for five degrees of
 /// freedom, and by 1.4 for one, with which no resampled figure is outside anyway.
 fn student_quantile(degrees: f64) -> f64 {
     let square = NORMAL_QUANTILE * NORMAL_QUANTILE;
