@@ -63,7 +63,7 @@ enum Kind {
 /// Names of fields or values.
 type Names = &'static [&'static str];
 
-/// What is there.
+/// The content of a value.
 enum Content<'c, 'de> {
     Bool(bool),
     Signed(i64),
