@@ -308,8 +308,12 @@ fn tap_letters(board: &Board, typist: &Typist, taps: usize, seed: u64) -> Counte
 }
 
 #[test]
-fn the_noise_of_a_tracker_types_no_letter_twice() {
-    let board = Board::qwerty();
+fn the_noise_of_a_tracker_types_no_letter_twice_and_misses_none() {
+    let plane = Board::qwerty();
+    let mut struck = Board::qwerty();
+    for &(target, ..) in &struck.all {
+        struck.scene.set_struck(target);
+    }
     for (noise, rate, max_inserted) in [
         (0.001, 60.0, 0),
         (0.001, 175.0, 0),
@@ -322,13 +326,13 @@ fn the_noise_of_a_tracker_types_no_letter_twice() {
             rate,
             ..STEADY
         };
-        let counted = tap_letters(&board, &typist, 2_000, 13);
-        println!("{noise} {rate}: {counted:?}");
-        assert!(counted.repeated > 10, "contact alone repeats them");
-        assert!(
-            counted.inserted <= max_inserted,
-            "{noise} {rate}: {counted:?}"
-        );
-        assert_eq!(counted.missed, 0, "{noise} {rate}: {counted:?}");
+        for (press, board) in [("plane", &plane), ("stroke", &struck)] {
+            let counted = tap_letters(board, &typist, 2_000, 13);
+            let case = format!("{press} {noise} {rate}: {counted:?}");
+            println!("{case}");
+            assert!(counted.repeated > 10, "contact alone repeats them");
+            assert!(counted.inserted <= max_inserted, "{case}");
+            assert_eq!(counted.missed, 0, "{case}");
+        }
     }
 }
