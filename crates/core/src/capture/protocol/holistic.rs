@@ -7,8 +7,13 @@
 //!
 //! A line has the fields of [`body_landmarks`] and of [`hand_landmarks`], with their limits. The body places the arms, and the
 //! hands hang from its wrists. A body that is not seen is missing or `null`.
+//!
+//! Arms are measured from the trunk, hands from the camera. A hand that a camera in front of the person sees is therefore turned about
+//! its wrist to the axes of the trunk, or a person who leans back would bend the wrists. A mirrored image shows the body
+//! mirrored, too.
 
 use arrayvec::ArrayVec;
+use glam::{DMat3, DVec3};
 use serde::Deserialize;
 
 use super::hand_landmarks::{Hand, HandParser};
@@ -16,8 +21,8 @@ use super::lines::{LineDecoder, LineParser};
 use super::tracked_hands::MAX_HANDS;
 use super::{Packet, PacketError, Protocol, ProtocolOptions, body_landmarks, hand_landmarks};
 use crate::capture::Sample;
-use crate::capture::body::{BODY_LANDMARKS, Landmark};
-use crate::hand::HandPart;
+use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
+use crate::hand::{HandPart, Joint, JointPositions, Side};
 
 /// The protocol of holistic landmarks.
 pub const PROTOCOL: Protocol = Protocol {
@@ -38,13 +43,20 @@ pub const PROTOCOL: Protocol = Protocol {
 pub fn decoder(options: &ProtocolOptions) -> LineDecoder<HolisticParser> {
     LineDecoder::with_parser(HolisticParser {
         hands: HandParser::new(options),
+        trunk_from_camera: [None; Side::COUNT],
     })
 }
+
+/// The left shoulder and the left hip; the right ones follow.
+const SHOULDERS: usize = 11;
+const HIPS: usize = 23;
 
 /// Parser of lines with a body and its hands.
 #[derive(Clone, Debug)]
 pub struct HolisticParser {
     hands: HandParser,
+    /// The rotations, by side, that the latest body gives its hands.
+    trunk_from_camera: [Option<DMat3>; Side::COUNT],
 }
 
 /// The fields of a line that count.
@@ -64,9 +76,13 @@ impl LineParser for HolisticParser {
         let line: Line = serde_json::from_slice(line)?;
         let body = line.pose_world_landmarks.map(body_landmarks::body);
         let body = body.transpose()?;
-        let hands = self.hands.best_hands(&line.hands, line.image_size)?;
+        let mut hands = *self.hands.best_hands(&line.hands, line.image_size)?.hands();
         let line_time = self.hands.hands.start_line(line.time_us)?;
-        if let Some(body) = body {
+        if let Some(mut body) = body {
+            if self.hands.is_mirrored() {
+                flip(&mut body);
+            }
+            self.see_trunk(&body);
             emit(Packet {
                 time: Some(line_time.time),
                 sent_at: line_time.stated,
@@ -74,19 +90,75 @@ impl LineParser for HolisticParser {
                 ..Packet::new(Sample::Body(body), 0)
             });
         }
-        self.hands
-            .hands
-            .emit(line_time, hands.hands(), &mut |packet| {
-                emit(Packet {
-                    part: Some(HandPart::Fingers),
-                    ..packet
-                });
+        for (hand, rotation) in hands.iter_mut().zip(self.trunk_from_camera) {
+            if let (Some(positions), Some(rotation)) = (hand, rotation) {
+                *positions = turned(positions, rotation);
+            }
+        }
+        self.hands.hands.emit(line_time, &hands, &mut |packet| {
+            emit(Packet {
+                part: Some(HandPart::Fingers),
+                ..packet
             });
+        });
         Ok(())
     }
 
     fn reset(&mut self) {
         self.hands.reset();
+        self.trunk_from_camera = [None; Side::COUNT];
+    }
+}
+
+impl HolisticParser {
+    /// Takes the axes of the trunk from a body. A trunk without a direction changes nothing. Other cameras than one in front of the
+    /// person move with the person, or see no trunk.
+    fn see_trunk(&mut self, body: &BodyLandmarks) {
+        if !self.hands.is_camera_in_front() {
+            return;
+        }
+        for &side in Side::ALL {
+            let latest = &mut self.trunk_from_camera[side.index()];
+            *latest = trunk_from_camera(body, side).or(*latest);
+        }
+    }
+}
+
+/// Returns the rotation from the axes in which a camera in front of the person shows hands to the axes in which the arm of a side is
+/// measured: to the right along the shoulders, up the trunk, and backwards.
+fn trunk_from_camera(body: &BodyLandmarks, side: Side) -> Option<DMat3> {
+    let at = |landmark: usize| {
+        let [x, y, z] = body.points[landmark].position.map(f64::from);
+        DVec3::new(-x, -y, z)
+    };
+    let across = at(SHOULDERS + Side::Right.index()) - at(SHOULDERS + Side::Left.index());
+    let right = across.try_normalize()?;
+    let upward = at(SHOULDERS + side.index()) - at(HIPS + side.index());
+    let up = upward.reject_from_normalized(right).try_normalize()?;
+    Some(DMat3::from_cols(right, up, right.cross(up)).transpose())
+}
+
+/// Returns a hand that is turned about its wrist.
+fn turned(positions: &JointPositions, rotation: DMat3) -> JointPositions {
+    let wrist = positions.get(Joint::Wrist).unwrap_or_default();
+    let mut turned = *positions;
+    for (joint, position) in positions.known() {
+        turned.set(joint, wrist + rotation * (position - wrist));
+    }
+    turned
+}
+
+/// Mirrors a body back that was found in a mirrored image, where its left side is the right one.
+fn flip(body: &mut BodyLandmarks) {
+    for landmark in &mut body.points {
+        landmark.position[0] = -landmark.position[0];
+    }
+    // The nose is alone, each eye has three landmarks, and the others are pairs.
+    let (left_eye, rest) = body.points[1..].split_at_mut(3);
+    let (right_eye, pairs) = rest.split_at_mut(3);
+    left_eye.swap_with_slice(right_eye);
+    for pair in pairs.chunks_exact_mut(2) {
+        pair.swap(0, 1);
     }
 }
 
@@ -99,10 +171,11 @@ pub fn join(body: &str, hands: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use glam::DQuat;
+
     use super::*;
-    use crate::capture::body::BodyLandmarks;
-    use crate::capture::protocol::{Decoder, InvalidPacket, hand_landmarks};
-    use crate::hand::{Finger, Joint, JointPositions, Side};
+    use crate::capture::protocol::{Decoder, InvalidPacket};
+    use crate::hand::Finger;
     use crate::time::Timestamp;
 
     fn body() -> String {
@@ -187,5 +260,99 @@ mod tests {
             let error = decoder.last_error().expect("an error");
             assert_eq!(error.reason, reason, "{error}");
         }
+    }
+
+    /// Returns the world landmarks of a body and of its right hand, whose fingers are straight, before a camera; both are turned.
+    fn person(rotation: DQuat) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+        let turned = |at: [f64; 3]| (rotation * DVec3::from_array(at)).to_array();
+        let body = (0..BODY_LANDMARKS).map(|index| match index {
+            11 => [0.2, -0.5, 0.0],
+            12 => [-0.2, -0.5, 0.0],
+            23 => [0.1, 0.0, 0.0],
+            24 => [-0.1, 0.0, 0.0],
+            _ => [0.01 * index as f64, -0.2, -0.3],
+        });
+        let hand = (0..hand_landmarks::HAND_LANDMARKS).map(|index| {
+            let (finger, bone) = (index.div_ceil(4) as f64, ((index + 3) % 4) as f64);
+            match index {
+                0 => [0.0, 0.0, 0.1],
+                _ => [0.02 * finger - 0.04, 0.01 * bone, 0.05 - 0.03 * bone],
+            }
+        });
+        (body.map(turned).collect(), hand.map(turned).collect())
+    }
+
+    fn line_of(body: &[[f64; 3]], label: &str, hand: &[[f64; 3]]) -> String {
+        let hands = serde_json::json!([{ "label": label, "world": hand }]);
+        let line = serde_json::json!({ "pose_world_landmarks": body, "hands": hands });
+        format!("{line}\n")
+    }
+
+    /// Returns the packets of a stream and the hands in it, relative to their wrists.
+    fn decoded(options: &ProtocolOptions, stream: &str) -> (Vec<Packet>, Vec<JointPositions>) {
+        let mut all = Vec::new();
+        decoder(options).push(stream.as_bytes(), &mut |packet| all.push(packet));
+        let hands = all.iter().filter_map(|packet| match &packet.sample {
+            Sample::Joints { positions } => Some(*positions),
+            _ => None,
+        });
+        let hands = hands.collect();
+        (all, hands)
+    }
+
+    #[test]
+    fn a_hand_keeps_its_direction_from_the_trunk_when_the_camera_is_turned() {
+        let options = ProtocolOptions::default();
+        let (body, hand) = person(DQuat::IDENTITY);
+        let (_, straight) = decoded(&options, &line_of(&body, "right", &hand));
+        let tip = straight[0].get(Joint::IndexTip).expect("a fingertip");
+        let expected = DVec3::new(0.0, -0.03, -0.14);
+        assert!(tip.distance(expected) < 1e-6, "{tip}");
+        for rotation in [
+            DQuat::from_rotation_y(0.6),
+            DQuat::from_rotation_x(-0.4),
+            DQuat::from_rotation_z(0.3) * DQuat::from_rotation_y(-0.5),
+        ] {
+            let (turned_body, turned_hand) = person(rotation);
+            let with_body = line_of(&turned_body, "right", &turned_hand);
+            let hands = serde_json::json!([{ "label": "right", "world": turned_hand }]);
+            let without_body = serde_json::json!({ "hands": hands });
+            let (_, seen) = decoded(&options, &format!("{with_body}{without_body}\n"));
+            assert_eq!(seen.len(), 2);
+            for positions in &seen {
+                for (joint, position) in positions.known() {
+                    let unturned = straight[0].get(joint).expect("the same joints");
+                    assert!(position.distance(unturned) < 1e-6, "{rotation} {joint}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_mirrored_image_shows_the_same_body_and_hand() {
+        let (body, hand) = person(DQuat::from_rotation_y(0.3));
+        let mirror = |[x, y, z]: [f64; 3]| [-x, y, z];
+        let partner = |index: usize| match index {
+            0 => 0,
+            1..=3 => index + 3,
+            4..=6 => index - 3,
+            _ if index % 2 == 1 => index + 1,
+            _ => index - 1,
+        };
+        let mirrored_body: Vec<_> = (0..body.len())
+            .map(|index| mirror(body[partner(index)]))
+            .collect();
+        let mirrored_hand: Vec<_> = hand.iter().map(|&at| mirror(at)).collect();
+        let mut options = ProtocolOptions::default();
+        let (plain, _) = decoded(&options, &line_of(&body, "right", &hand));
+        options.set(&hand_landmarks::MIRRORED, "yes").unwrap();
+        let stream = line_of(&mirrored_body, "left", &mirrored_hand);
+        let (mirrored, _) = decoded(&options, &stream);
+        assert_eq!(plain.len(), 2);
+        for (packet, expected) in mirrored.iter().zip(&plain) {
+            assert_eq!(packet.side, expected.side);
+            assert_eq!(packet.sample, expected.sample);
+        }
+        assert_eq!(mirrored.len(), plain.len());
     }
 }

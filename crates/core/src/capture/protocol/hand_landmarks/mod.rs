@@ -158,6 +158,16 @@ impl HandParser {
         }
     }
 
+    /// Returns `true` if the image was flipped left to right before hands were found in it.
+    pub(super) fn is_mirrored(&self) -> bool {
+        self.camera.is_mirrored
+    }
+
+    /// Returns `true` if the camera looks at the person.
+    pub(super) fn is_camera_in_front(&self) -> bool {
+        self.camera.mount == Mount::Front
+    }
+
     /// Returns the hands of an image, by side. One that shows no hand, as with a wrong label where hands cross, is an error only without
     /// another one that does.
     pub(super) fn best_hands(
