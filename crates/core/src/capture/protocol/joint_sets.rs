@@ -5,8 +5,9 @@
 //! ```
 //!
 //! One object per instant. Joints are in the order of the specifications: OpenXR lists the palm, then the wrist; WebXR begins
-//! with the wrist. Each is a position in metres, X to the right, Y up, −Z forward, or `null` if it is not followed. A
-//! rotation (x, y, z, w) and a radius may follow the position; they do not count, because angles come from the positions.
+//! with the wrist. Each is a position in metres, X to the right, Y up, −Z forward, or `null` if it is not followed, alone or in
+//! place of a coordinate. A rotation (x, y, z, w) and a radius may follow the position; they do not count, because angles come
+//! from the positions.
 
 use arrayvec::ArrayVec;
 use serde::Deserialize;
@@ -15,7 +16,7 @@ use super::encoder::{hands, time_us};
 use super::lines::{LineDecoder, LineParser};
 use super::space::{self, HAND};
 use super::tracked_hands::{
-    BestHands, Label, MAX_HANDS, MIN_SCORE, Position, RATE, TrackedHands, check_score,
+    BestHands, Label, MAX_HANDS, MIN_SCORE, RATE, TrackedHands, TrackedPosition, check_score,
 };
 use super::{
     Carriers, Encoder, EncoderPlan, InvalidPacket, Packet, PacketError, PositionNoise, Protocol,
@@ -101,7 +102,7 @@ struct Hand {
     label: Label,
     #[serde(default = "certain")]
     score: f64,
-    joints: ArrayVec<Option<Position>, OPENXR_JOINTS>,
+    joints: ArrayVec<TrackedPosition, OPENXR_JOINTS>,
 }
 
 fn certain() -> f64 {
@@ -125,8 +126,8 @@ impl<const JOINTS: usize> JointParser<JOINTS> {
         let mut positions = JointPositions::default();
         let joints = &Joint::ALL[Joint::Wrist.index()..];
         let listed = &hand.joints[JOINTS - WEBXR_JOINTS..];
-        for (&joint, position) in joints.iter().zip(listed) {
-            let Some(Position(position)) = position else {
+        for (&joint, TrackedPosition(position)) in joints.iter().zip(listed) {
+            let Some(position) = position else {
                 continue;
             };
             if position.iter().any(|axis| axis.abs() > MAX_COORDINATE) {
@@ -244,6 +245,32 @@ mod tests {
         assert_eq!(invalid.total(), 0);
         let known: Vec<_> = packets.iter().map(|p| joints(p).known().count()).collect();
         assert_eq!(known, [24, 0, 0], "nothing before the hand was seen");
+    }
+
+    #[test]
+    fn a_joint_whose_numbers_are_nan_in_javascript_is_not_followed_and_its_radius_does_not_count() {
+        let plain = encode(&WEBXR, None, &[(Side::Right, hand())]);
+        let mut line: serde_json::Value = serde_json::from_str(&plain).expect("a line of JSON");
+        let listed = line["hands"][0]["joints"]
+            .as_array_mut()
+            .expect("the joints");
+        listed[0] = serde_json::json!([null, null, null]);
+        let rotation_and_radius = serde_json::json!([0, 0, 0, 1, null]);
+        let numbers = rotation_and_radius.as_array().expect("a list").clone();
+        listed[1]
+            .as_array_mut()
+            .expect("a position")
+            .extend(numbers);
+        let (packets, invalid) = decode(&WEBXR, &[format!("{line}\n")]);
+        assert_eq!((packets.len(), invalid.total()), (1, 0));
+        let known: Vec<_> = joints(&packets[0])
+            .known()
+            .map(|(joint, _)| joint)
+            .collect();
+        let followed = hand();
+        let followed = followed.known().map(|(joint, _)| joint);
+        let expected: Vec<_> = followed.filter(|&joint| joint != Joint::Wrist).collect();
+        assert_eq!(known, expected);
     }
 
     #[test]

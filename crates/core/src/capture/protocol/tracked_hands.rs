@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use serde::de::{Error, SeqAccess, Visitor};
+use serde::de::{Error, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::line_times::LineTimes;
@@ -62,7 +62,7 @@ impl<'de> Deserialize<'de> for Label {
                 sides
                     .find(|side| text.eq_ignore_ascii_case(side.name()))
                     .map(Label)
-                    .ok_or_else(|| E::invalid_value(serde::de::Unexpected::Str(text), &self))
+                    .ok_or_else(|| E::invalid_value(Unexpected::Str(text), &self))
             }
         }
 
@@ -74,36 +74,62 @@ impl<'de> Deserialize<'de> for Label {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Position(pub [f64; 3]);
 
+/// A position that may be unknown: `null`, or a list with `null` in place of a coordinate. WebXR gives NaN for a joint that is not
+/// followed (`fillPoses`), and JavaScript writes NaN as `null`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TrackedPosition(pub Option<[f64; 3]>);
+
+/// The first three numbers of a list; `None` if one of them is `null`.
+struct Coordinates(Option<[f64; 3]>);
+
 /// Numbers of a joint of OpenXR: a position, a quaternion and a radius.
 const MAX_NUMBERS: usize = 8;
 
-impl<'de> Deserialize<'de> for Position {
+impl<'de> Deserialize<'de> for Coordinates {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct PositionVisitor;
+        struct CoordinatesVisitor;
 
-        impl<'de> Visitor<'de> for PositionVisitor {
-            type Value = Position;
+        impl<'de> Visitor<'de> for CoordinatesVisitor {
+            type Value = Coordinates;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
                 write!(f, "a list of three to {MAX_NUMBERS} numbers")
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Position, A::Error> {
-                let (mut numbers, mut count) = ([0.0; 3], 0);
-                while let Some(number) = list.next_element()? {
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Coordinates, A::Error> {
+                let (mut numbers, mut count) = ([None; 3], 0);
+                while let Some(number) = list.next_element::<Option<f64>>()? {
                     if let Some(slot) = numbers.get_mut(count) {
                         *slot = number;
                     }
                     count += 1;
                 }
-                match count {
-                    3..=MAX_NUMBERS => Ok(Position(numbers)),
+                match (count, numbers) {
+                    (3..=MAX_NUMBERS, [Some(x), Some(y), Some(z)]) => {
+                        Ok(Coordinates(Some([x, y, z])))
+                    }
+                    (3..=MAX_NUMBERS, _) => Ok(Coordinates(None)),
                     _ => Err(A::Error::invalid_length(count, &self)),
                 }
             }
         }
 
-        deserializer.deserialize_seq(PositionVisitor)
+        deserializer.deserialize_seq(CoordinatesVisitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for Position {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let Coordinates(position) = Coordinates::deserialize(deserializer)?;
+        let error = || D::Error::invalid_type(Unexpected::Unit, &"a number");
+        position.map(Self).ok_or_else(error)
+    }
+}
+
+impl<'de> Deserialize<'de> for TrackedPosition {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let list = Option::<Coordinates>::deserialize(deserializer)?;
+        Ok(Self(list.and_then(|Coordinates(position)| position)))
     }
 }
 

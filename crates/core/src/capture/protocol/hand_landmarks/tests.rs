@@ -248,6 +248,11 @@ fn invalid_lines_are_counted_by_reason() {
             "three to 8 numbers",
         ),
         (
+            hand(|hand| hand["world"][20] = serde_json::json!([0.0, null, 0.1])),
+            InvalidPacket::Unknown,
+            "null, expected a number",
+        ),
+        (
             hand(|hand| hand["world"][20] = serde_json::json!([0.0, 0.1, 1e30])),
             InvalidPacket::NotFinite,
             "too far",
