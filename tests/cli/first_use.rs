@@ -19,6 +19,7 @@ fn a_glove_that_measures_no_arm_is_told_the_layouts_below_its_fingers() {
     assert!(message.contains("controls out of reach"), "{message}");
     assert!(message.contains("this glove measures no arm"), "{message}");
     assert!(message.contains("such as `chords-bend`"), "{message}");
+    assert!(!message.contains("`drive`"), "feet and head: {message}");
     assert!(!message.contains("nearer"), "{message}");
     assert_eq!(check("chords-bend"), "");
     let with_camera = "Setup(source: \"serial:/dev/ttyUSB0?protocol=lucidgloves\", \

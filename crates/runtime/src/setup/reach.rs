@@ -157,7 +157,10 @@ impl LoadedSetup {
         let load = |name| Layout::for_hands(Document::shipped(name).ok()?, fit).ok();
         let is_usable = |layout: &Layout| {
             let has_targets = !layout.scene.surfaces().is_empty() || !layout.triggers.is_empty();
-            has_targets && layout.pointer.is_none() && is_within_reach(layout, hands)
+            has_targets
+                && layout.pointer.is_none()
+                && !layout.uses_body()
+                && is_within_reach(layout, hands)
         };
         shipped_layouts()
             .filter(|&name| load(name).is_some_and(|layout| is_usable(&layout)))
