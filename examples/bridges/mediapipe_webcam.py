@@ -3,6 +3,8 @@
 lines contain the body too, for `protocol=holistic`, and with `--body` the body alone, for `protocol=body-landmarks`.
 
 Install:  python3 -m pip install mediapipe opencv-python
+          where the system manages this Python, as on Debian, in an environment:
+          python3 -m venv ~/ademan-python && ~/ademan-python/bin/pip install mediapipe opencv-python
 Models:   hand_landmarker.task from https://ai.google.dev/edge/mediapipe/solutions/vision/hand_landmarker
           holistic_landmarker.task from https://ai.google.dev/edge/mediapipe/solutions/vision/holistic_landmarker
           pose_landmarker.task from https://ai.google.dev/edge/mediapipe/solutions/vision/pose_landmarker
@@ -28,6 +30,7 @@ import math
 import os
 import socket
 import sys
+import sysconfig
 import time
 
 MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision/"
@@ -146,13 +149,26 @@ def images(cv2, camera):
         yield round(number * 1e6 / rate_hz) if is_file else (time.monotonic_ns() - start) // 1000, bgr
 
 
+def install_command():
+    """Returns the command that installs the packages: into an environment where the system manages this Python."""
+    packages = "mediapipe opencv-python"
+    marker = os.path.join(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED")
+    if sys.prefix != sys.base_prefix or not os.path.exists(marker):
+        return f"{sys.executable} -m pip install {packages}"
+    folder = "~/ademan-python"
+    return (
+        f"{sys.executable} -m venv {folder} && {folder}/bin/pip install {packages}, "
+        f"and use its Python: --python {folder}/bin/python3"
+    )
+
+
 def webcam_lines(model, camera, kind):
     """Yields the time and the line of each image of a webcam."""
     try:
         import cv2
         import mediapipe
     except ImportError as error:
-        sys.exit(f"{error}; install what is missing: {sys.executable} -m pip install mediapipe opencv-python")
+        sys.exit(f"{error}; install what is missing: {install_command()}")
 
     vision = mediapipe.tasks.vision
     base_options = mediapipe.tasks.BaseOptions(model_asset_path=model)

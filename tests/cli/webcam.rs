@@ -130,6 +130,35 @@ fn a_python_a_camera_or_results_that_do_not_work_end_with_one_message() {
 }
 
 #[test]
+fn a_python_that_the_system_manages_gets_an_environment_for_the_packages() {
+    if !has_python() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let bridge = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/examples/bridges/mediapipe_webcam.py"
+    );
+    let script = "import runpy, sys, sysconfig\n\
+        sys.prefix = sys.base_prefix\n\
+        sysconfig.get_path = lambda name: sys.argv[2]\n\
+        print(runpy.run_path(sys.argv[1])['install_command']())";
+    let command = || {
+        let mut python = Command::new("python3");
+        python.args(["-c", script, bridge, text(folder.path())]);
+        Ended::from(python.output().unwrap()).done().out
+    };
+    assert!(command().contains("-m pip install"), "{}", command());
+    file(&folder, "EXTERNALLY-MANAGED", "");
+    let managed = command();
+    assert!(managed.contains("-m venv ~/ademan-python"), "{managed}");
+    assert!(
+        managed.contains("--python ~/ademan-python/bin/python3"),
+        "{managed}"
+    );
+}
+
+#[test]
 fn recorded_hands_go_through_the_bridge_into_a_session() {
     let hands = peer("landmarks/mediapipe_tasks_hands.json");
     let Some(hands) = hands.filter(|_| has_python()) else {

@@ -8,6 +8,6 @@ use crate::failure::Failure;
 /// Fails with the command that does the same.
 pub fn connect(_: &CameraArgs) -> Result<Child, Failure> {
     Err(Failure::job(
-        "not on this system; `ademan bridge webcam --run | ademan run --source \"stdin:?protocol=hand-landmarks\" --layout webcam-mouse` does the same",
+        "`ademan webcam` does not run on this system; `ademan bridge webcam --run | ademan run --source \"stdin:?protocol=hand-landmarks\" --layout webcam-mouse` does the same",
     ))
 }
