@@ -23,7 +23,7 @@ const MAX_WAIT: Duration = Duration::from_secs(60);
     after_help = "Example:\n  ademan delay --source serial:/dev/ttyUSB0 --arm-source 'udp:127.0.0.1:5005?protocol=body-landmarks'"
 )]
 pub struct Args {
-    /// Setup file
+    /// Setup file. The default is setup.ron in the configuration folder, if it exists
     #[arg(long)]
     setup: Option<String>,
     /// Time of the movement, in seconds

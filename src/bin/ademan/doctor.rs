@@ -21,7 +21,7 @@ use crate::{complete, messages, result_files};
     after_help = "Examples:\n  ademan doctor --source serial:/dev/ttyUSB0 --output uinput\n  ademan doctor my-setup.ron --json\n  ademan doctor --test desktop\n\nThe exit code is 0 if everything that the setup needs is present, and 1 otherwise."
 )]
 pub struct Args {
-    /// Setup file; the flags override it
+    /// Setup file; the flags override it. The default is setup.ron in the configuration folder, if it exists
     #[arg(add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]

@@ -15,7 +15,7 @@ use crate::{complete, messages, recording_size, session, signals, stats};
 pub struct Args {
     /// Recording to create; an existing file is not overwritten
     file: PathBuf,
-    /// Setup file
+    /// Setup file. The default is setup.ron in the configuration folder, if it exists
     #[arg(long, add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]

@@ -43,7 +43,7 @@ use crate::{complete, messages, signals};
     after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --fingers --source 'serial:/dev/ttyUSB0?protocol=lucidgloves' --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n  ademan calibrate --discover --source 'tcp:localhost:10002' --out new-glove.ron\n  ademan calibrate --hysteresis cycles.mcap --glove my-glove.ron\n\nNothing is typed during a calibration. The readings are kept beside the glove file, and --from calibrates with them again."
 )]
 pub struct Args {
-    /// Setup file
+    /// Setup file. The default is setup.ron in the configuration folder, if it exists
     #[arg(long, add = complete::setup())]
     setup: Option<String>,
     /// Glove file to write. The default is the glove itself, or a file in this folder for one that comes with the program

@@ -38,7 +38,7 @@ pub struct Args {
     /// Port; 0 for any free one. The default is 8081, and 8443 with --lan
     #[arg(long)]
     port: Option<u16>,
-    /// Folder of the page. The default is `web` beside the program, or `share/ademan/web` beside its folder
+    /// Folder of the page. The default is `web` beside the program or its folder, or `share/ademan/web` beside its folder
     #[arg(long, value_name = "FOLDER")]
     dir: Option<PathBuf>,
     /// Open the page in the browser

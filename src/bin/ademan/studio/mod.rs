@@ -52,7 +52,8 @@ use crate::source_value::{self, SourceValue};
     after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600' --glove mine\n  ademan studio --recording session.mcap\n  ademan studio --overlay my-setup.ron\n  ademan studio --attach\n\nWithout arguments it shows the session of `ademan run`, if one runs, and sends commands to it; closing the window leaves that session running. Otherwise it opens a session of its own. Without a source, a simulated hand plays the layout in a loop; the first start without settings asks for the source, the hand and the layout. Nothing is sent to other programs unless a setup file names an output, or one is chosen in the window. Closing the window releases everything and ends the session."
 )]
 pub struct Args {
-    /// Setup file (see `ademan setup new`); the flags override it
+    /// Setup file (see `ademan setup new`); the flags override it. setup.ron in the configuration folder is used only if it is
+    /// named here
     #[arg(add = complete::setup())]
     setup: Option<String>,
     #[arg(long, value_name = "URI", value_parser = SourceValue, add = complete::source(), help = "Source of readings", long_help = source_value::help())]

@@ -1,4 +1,4 @@
-//! `ademan studio` in a program that is built without windows.
+//! `ademan studio` in a program that is built without its window.
 
 use super::Args;
 use crate::failure::Failure;
@@ -19,6 +19,6 @@ pub fn open(args: Args) -> Result<(), Failure> {
         root: _,
     } = args;
     Err(Failure::wrong_use(
-        "this program is built without windows; build it with `cargo install --path . --features studio`, or watch the session with `ademan run --view board`",
+        "this program is built without Studio; build it with `cargo install --path . --features studio`, or watch the session with `ademan run --view board`",
     ))
 }

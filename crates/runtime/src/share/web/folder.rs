@@ -37,7 +37,7 @@ const TYPES: [(&str, &str); 10] = [
 pub enum PageFolderError {
     /// It holds no page.
     #[error(
-        "{} has no {INDEX}: the page is not built; run web/build in the sources of Ademán, or name its folder with --dir",
+        "{} has no {INDEX}: the page is not built, or it is elsewhere; run web/build in the sources of Ademán, and name the folder that it makes: --dir target/web",
         escape_path(.0)
     )]
     NotBuilt(PathBuf),
