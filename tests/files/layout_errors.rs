@@ -69,6 +69,10 @@ fn an_unknown_name_on_a_board_has_its_position() {
             "keys: [(layer: \"symbls\", at_mm: (0, 0))]".into(),
             "3:17: unknown layer `symbls`",
         ),
+        (
+            "keys: [(action: Command(\"allow-keys\"), name: \"k\", at_mm: (0, 0))]".into(),
+            "3:26: a layout cannot issue `allow-keys`, only `ademan ctl allow-keys` does",
+        ),
     ]);
 }
 

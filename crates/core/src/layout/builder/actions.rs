@@ -173,10 +173,15 @@ impl<'a> LayoutBuilder<'a> {
     }
 
     /// Parses a command. Records the name of a profile, because only the setup knows if it exists, and a command of the text decoder,
-    /// because the setup adds one for it.
+    /// because the setup adds one for it. Fails for a command that has no effect from a layout.
     fn command(&mut self, command: Spanned<'a>) -> Result<Command, DocumentError> {
-        let parsed = command.text.parse();
+        let parsed = command.text.parse::<Command>();
         let parsed = parsed.map_err(|error: InvalidCommand| self.error(command.text, error))?;
+        if parsed == Command::State || parsed.is_permission() {
+            let name = parsed.name();
+            let message = format!("a layout cannot issue `{name}`, only `ademan ctl {name}` does");
+            return Err(self.error(command.text, message));
+        }
         if let Command::Profile { name } = &parsed {
             index_of_or_push(&mut self.profiles, name);
         }
