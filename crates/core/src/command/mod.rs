@@ -216,6 +216,11 @@ impl Command {
         matches!(self, Self::AllowKeys | Self::ForbidKeys)
     }
 
+    /// Returns `true` if a key or gesture of a layout may issue the command. The others have no effect there.
+    pub const fn is_allowed_in_layouts(&self) -> bool {
+        !matches!(self, Self::State) && !self.is_permission()
+    }
+
     /// Returns `true` if the command types, or changes what keys type: a source that may only point does not cause it.
     pub const fn is_typing(&self) -> bool {
         matches!(

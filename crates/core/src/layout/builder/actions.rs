@@ -177,7 +177,7 @@ impl<'a> LayoutBuilder<'a> {
     fn command(&mut self, command: Spanned<'a>) -> Result<Command, DocumentError> {
         let parsed = command.text.parse::<Command>();
         let parsed = parsed.map_err(|error: InvalidCommand| self.error(command.text, error))?;
-        if parsed == Command::State || parsed.is_permission() {
+        if !parsed.is_allowed_in_layouts() {
             let name = parsed.name();
             let message = format!("a layout cannot issue `{name}`, only `ademan ctl {name}` does");
             return Err(self.error(command.text, message));

@@ -229,7 +229,8 @@ fn choices(panel: &EditorPanel, slot: &Slot) -> Vec<Binding> {
         can_have && word.contains(&query.to_lowercase())
     });
     choices.extend(matching.map(|(_, binding)| binding));
-    if query.parse::<ademan_core::command::Command>().is_ok() {
+    let command = query.parse::<ademan_core::command::Command>();
+    if command.is_ok_and(|it| it.is_allowed_in_layouts()) {
         choices.push(Binding::Command(query.to_owned()));
     }
     choices.extend(Binding::multitap(query));
