@@ -387,7 +387,7 @@ fn read_points(path: &Path) -> Result<BTreeMap<String, DVec3>, Failure> {
 }
 
 fn read_document(path: &Path) -> Result<Document, Failure> {
-    Ok(Document::new(path.display().to_string(), read_text(path)?))
+    Ok(Document::new(path.to_string_lossy(), read_text(path)?))
 }
 
 fn read_text(path: &Path) -> Result<String, Failure> {
