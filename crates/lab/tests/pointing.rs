@@ -21,7 +21,7 @@ fn a_person_without_errors_clicks_on_wide_targets_with_every_pointer() {
         let wide = &pointing.series[0];
         assert_eq!(wide.given_up, 0, "{layout}: {wide:?}");
         // A pinch takes the cursor of a webcam along.
-        assert!(wide.result.misses <= 2, "{layout}: {wide:?}");
+        assert!(wide.result.misses <= 3, "{layout}: {wide:?}");
         // Without scatter the effective width comes from the pointer alone.
         assert!(wide.result.throughput > 1.0, "{layout}: {wide:?}");
         let way = wide.result.path_efficiency;
