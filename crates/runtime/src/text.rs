@@ -70,7 +70,9 @@ impl std::str::FromStr for TextChoice {
             Some((mode, language)) => (mode, Some(language)),
             None => (text, None),
         };
-        let mode: TextMode = mode.parse().map_err(|error: UnknownName| {
+        let mode: TextMode = mode.parse().map_err(|_: UnknownName| {
+            // The remedy lists the modes.
+            let error = UnknownName::new("text mode", mode, TextMode::NAMES.iter().copied());
             format!("{error}; write `literal`, `suggest` or `auto`, and `:es` for another language")
         })?;
         language.map_or(Ok(()), Language::check_name)?;
@@ -105,5 +107,12 @@ mod tests {
         assert_eq!(applied("suggest:en").language, "en");
         let alone: TextChoice = "auto".parse().unwrap();
         assert_eq!(alone.applied_to(None).language, "en");
+    }
+
+    #[test]
+    fn an_unknown_mode_is_refused_with_the_modes_once() {
+        let error = "never".parse::<TextChoice>().unwrap_err();
+        let expected = "unknown text mode `never`; write `literal`, `suggest` or `auto`, and `:es` for another language";
+        assert_eq!(error, expected);
     }
 }
