@@ -39,7 +39,8 @@ const THUMB_TURN_SPEED: f32 = 0.1;
 /// The speed along the board, in metres per second, of a hand that passes by; a slip has 0.2.
 const PASSING_SPEED: f32 = 0.8;
 
-/// The time constant of the velocity of a hand that passes by, in seconds: at 175 Hz, one step of 2 mm of noise looks like 0.6 m/s.
+/// The time constant of the velocity of a hand that passes by, in seconds: at 175 Hz, a step between two points with 2 mm of noise looks
+/// like 0.6 m/s.
 const VELOCITY_TIME: f32 = 0.01;
 
 /// The overtravel, in metres behind the travel of a key, to which the path of a stroke is extrapolated: people press 4 to 10 mm deeper
@@ -69,8 +70,9 @@ pub(super) struct Stroke {
     speed: f32,
     /// The speed along the board in the last step.
     along: f32,
-    /// The smoothed velocity below the front, in metres per second, and what it was at the deepest point.
+    /// The smoothed velocity below the front, in metres per second. It starts at zero, so that the noise of a first step alone is no pass.
     velocity: Vec3,
+    /// The smoothed velocity at the deepest point.
     deepening: Vec3,
     /// The time at which it passed the press depth.
     pub passed: Option<Timestamp>,
