@@ -87,3 +87,52 @@ fn the_shipped_models_are_rebuilt_byte_by_byte() {
     }
     std::fs::remove_dir_all(&folder).expect("a folder");
 }
+
+#[test]
+fn plurals_and_forms_of_spanish_verbs_follow_the_rules() {
+    let folder = std::env::temp_dir().join(format!("ademan-forms-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let [verbs, words] = ["verbs", "words"].map(|name| folder.join(name));
+    let verb_list = "buscar\nconstruir\npedir i\ntener yo=teng past=tuv future=tendr ie\n";
+    std::fs::write(&verbs, verb_list).expect("a file");
+    std::fs::write(&words, "canción\nexamen\nlunes\nluz\npaís\nrojo\n").expect("a file");
+    let mut inflect = Command::new("awk");
+    inflect.env("LC_ALL", "C").arg("-f");
+    inflect
+        .arg(languages().join("inflect"))
+        .args([&verbs, &words]);
+    let ended = inflect.output().expect("awk");
+    std::fs::remove_dir_all(&folder).expect("a folder");
+    assert!(ended.status.success());
+    let text = String::from_utf8(ended.stdout).expect("letters");
+    let forms: Vec<_> = text
+        .lines()
+        .filter_map(|line| line.split('\t').next())
+        .collect();
+    for form in [
+        "busco",
+        "busqué",
+        "buscó",
+        "búscalo",
+        "construyó",
+        "construimos",
+        "pido",
+        "pidieron",
+        "pidiéndole",
+        "tengo",
+        "tienes",
+        "tuvo",
+        "tendría",
+        "tengamos",
+        "canciones",
+        "exámenes",
+        "luces",
+        "países",
+        "rojos",
+    ] {
+        assert!(forms.contains(&form), "{form}");
+    }
+    for wrong in ["buscé", "construió", "pedió", "teno", "lúnes", "luneses"] {
+        assert!(!forms.contains(&wrong), "{wrong}");
+    }
+}

@@ -103,6 +103,21 @@ fn the_spanish_conjunction_before_an_o_is_a_word() {
 }
 
 #[test]
+fn plurals_and_forms_of_spanish_verbs_are_words_with_their_accents() {
+    check(
+        SPANISH,
+        &[
+            (
+                "me preguntaron cuando llegaria ",
+                "me preguntaron cuando llegaría ",
+            ),
+            ("dos platanos ", "dos plátanos "),
+            ("no se si podre ir ", "no sé si podré ir "),
+        ],
+    );
+}
+
+#[test]
 fn a_capital_follows_a_mark_and_a_space_only() {
     for (text, shown) in [
         ("write to gmail.com now ", "Write to gmail.com now "),
