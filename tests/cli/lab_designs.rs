@@ -279,6 +279,8 @@ fn the_decoder_is_better_than_other_readings_of_the_same_taps() {
     assert_ne!(ended.code, Some(0));
     let advice = "ten keys of letters; use --decoder off";
     assert!(ended.err.contains(advice), "{}", ended.err);
+    let spanish = run(["lab", "score", "spanish-flat", "--decoder", "auto:es"]);
+    assert!(spanish.err.contains("for a US keymap"), "{}", spanish.err);
     let language = run(["lab", "score", "qwerty-flat", "--decoder", "auto:xx"]);
     assert_eq!(language.code, Some(2));
     assert!(

@@ -25,7 +25,7 @@ pub enum TrialError {
     #[error("cannot make the arm of a simulated person: {0}")]
     Arm(#[from] ArmModelError),
     /// A decoder has nothing to decode.
-    #[error("a text decoder needs a layout with at least ten keys of letters")]
+    #[error("a text decoder needs a layout for a US keymap with at least ten keys of letters")]
     NoLetters,
 }
 
