@@ -34,7 +34,7 @@ pub fn check_cut(stats: &Stats) -> Result<(), Failure> {
     }
 }
 
-/// Returns a line of received, accepted, rejected and dropped readings, losses and suppressed events.
+/// Returns a line of received, accepted, rejected and dropped readings, losses, keystrokes that were not typed, and suppressed events.
 pub fn line(stats: &Stats) -> String {
     let rejected = Rejection::ALL
         .iter()
@@ -68,6 +68,10 @@ pub fn line(stats: &Stats) -> String {
     if source.losses > 0 {
         line += &format!("; the device was lost {}", counted(source.losses, "time"));
     }
+    if stats.dropped_presses > 0 {
+        let keystrokes = counted(stats.dropped_presses, "keystroke");
+        line += &format!("; the output did not type {keystrokes}");
+    }
     line + &suppressed(&stats.suppressed)
 }
 
@@ -90,5 +94,23 @@ fn suppressed(suppressed: &Suppressed) -> String {
         String::new()
     } else {
         format!("; suppressed: {}", reasons.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keystrokes_that_the_output_dropped_are_named() {
+        let mut stats = Stats {
+            accepted: 3,
+            ..Stats::default()
+        };
+        stats.source.readings = 3;
+        assert_eq!(line(&stats), "3 readings: 3 accepted");
+        stats.dropped_presses = 2;
+        let expected = "3 readings: 3 accepted; the output did not type 2 keystrokes";
+        assert_eq!(line(&stats), expected);
     }
 }
