@@ -215,14 +215,6 @@ fn numbers_signs_and_unknown_words_are_left_alone() {
 }
 
 #[test]
-fn capitals_that_were_typed_stay() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
-    field.types("Teh HELLO WRoLD cAt HELOL ");
-    assert_eq!(field.text, "The HELLO World cAt HELLO ");
-}
-
-#[test]
 fn sentences_start_with_a_capital_if_asked_to() {
     let bytes = english();
     let model = Model::from_bytes(&bytes).expect("a model");

@@ -75,9 +75,9 @@ impl Rendered {
             self.text.push(entry.character);
             start = index + 1;
         }
-        self.word(start, self.entries.len(), finished.case, taps, capital);
+        let is_in_capitals = self.word(start, self.entries.len(), finished.case, taps, capital);
         if let Some(letter) = finished.omitted {
-            let upper = finished.case == Case::Upper;
+            let upper = finished.case == Case::Upper || is_in_capitals;
             self.text
                 .extend(upper.then(|| letter.to_uppercase()).into_iter().flatten());
             self.text.extend((!upper).then_some(letter));
@@ -90,9 +90,10 @@ impl Rendered {
         &self.text
     }
 
-    /// Appends a word. The capitals that were typed inside it are kept if its letters are, or if it has no others: in a word that is
-    /// corrected, one of them is a slip to Shift.
-    fn word(&mut self, start: usize, end: usize, case: Case, taps: &[Tap], capital: bool) {
+    /// Appends a word. The capitals that were typed inside it are kept if its letters are: in a word that is corrected, one of them is a
+    /// slip to Shift. A capital that was typed first stays first, and a word of capitals has no other letters. Returns `true` for such a
+    /// word.
+    fn word(&mut self, start: usize, end: usize, case: Case, taps: &[Tap], capital: bool) -> bool {
         let word = &self.entries[start..end];
         let typed_for = |entry: &Entry| taps.get(entry.tap as usize).and_then(|tap| tap.typed);
         let is_same = |(entry, before): (&Entry, Option<&Entry>)| {
@@ -102,24 +103,32 @@ impl Rendered {
         };
         let before = [None].into_iter().chain(word.iter().map(Some));
         let is_typed = word.iter().zip(before).all(is_same);
-        let is_upper_case = |entry: &Entry| typed_for(entry).is_none_or(char::is_uppercase);
-        let keeps_capitals = is_typed || word.iter().all(is_upper_case);
+        let is_capital = |entry: &Entry| typed_for(entry).is_some_and(char::is_uppercase);
+        // The first tap of the word, which may stand for its second letter.
+        let first = word.iter().min_by_key(|entry| entry.tap);
+        let starts_with_capital = first.is_some_and(is_capital);
+        let mut letters = word
+            .iter()
+            .filter_map(typed_for)
+            .filter(|typed| typed.is_alphabetic());
+        // One capital may be the first one of any word.
+        let is_in_capitals = letters.clone().count() > 1 && letters.all(char::is_uppercase);
         for index in start..end {
             let entry = self.entries[index];
-            let typed = typed_for(&entry);
             let is_first = index == start;
             let by_case = match case {
                 Case::Lower => false,
                 Case::Title => is_first,
                 Case::Upper => true,
             };
-            let has_capital = typed.is_some_and(char::is_uppercase) && (is_first || keeps_capitals);
-            let is_upper = by_case || capital && is_first || has_capital;
-            if is_upper {
+            let by_place = is_first && (capital || starts_with_capital);
+            let as_typed = is_capital(&entry) && (is_first || is_typed);
+            if by_case || by_place || as_typed || is_in_capitals {
                 self.text.extend(entry.character.to_uppercase());
             } else {
                 self.text.push(entry.character);
             }
         }
+        is_in_capitals
     }
 }
