@@ -1,6 +1,8 @@
 //! The text decoder where words meet something else: the space that a candidate has brought, another mode, profile or layout, and
 //! keys for another keymap.
 
+use std::time::Duration;
+
 use ademan::capture::Hc11Format;
 use ademan::command::{Command, CommandOrigin, TextMode};
 use ademan::device::Events;
@@ -84,6 +86,35 @@ fn a_space_behind_a_candidate_that_ends_with_a_mark_is_typed() {
     assert!(taken.ends_with("cat."), "{taken}");
     let more = suggests(&format!("{sentence}; tap Space; tap T"));
     assert_eq!(more, format!("{taken} t"));
+}
+
+#[test]
+fn a_candidate_is_not_typed_while_backspace_repeats() {
+    let setup = load(TextModeSchema::Suggest);
+    let script = "tap W; tap H; tap A; press Backspace; wait 800; lift";
+    let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
+    let mut deleted_at = None;
+    let mut is_taken = false;
+    let typed = play(
+        &setup,
+        hand.expect("a script"),
+        |presses, pipeline, events| {
+            let time = pipeline.time();
+            if presses == 4 {
+                deleted_at.get_or_insert(time);
+            }
+            let held = deleted_at.map_or(Duration::ZERO, |start| time.since(start));
+            if held > Duration::from_millis(400) && !is_taken {
+                is_taken = true;
+                let first = Command::Candidate { number: 1 };
+                let origin = CommandOrigin::Client;
+                pipeline.execute(&first, origin, events).expect("it is one");
+            }
+        },
+    );
+    assert!(is_taken);
+    // A desktop has deleted more letters by then.
+    assert_eq!(typed.text, "wh");
 }
 
 const HALF: &str = "tap C; tap O; tap N; wait 1500; tap T; tap E; tap H; tap Space";

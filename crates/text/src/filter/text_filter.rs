@@ -186,9 +186,7 @@ impl TextFilter {
 
     /// Handles the press of a character by an event, and appends it.
     fn type_character(&mut self, character: char, event: OutputEvent, step: &mut Step) {
-        if self.is_repeating(event.time) {
-            self.leave();
-        }
+        self.leave_behind_repeats(event.time);
         let stroke = self.stroke.as_mut();
         if !stroke.is_some_and(|stroke| stroke.note_typed(character)) {
             self.stroke = None;
@@ -229,6 +227,7 @@ impl TextFilter {
     /// Replaces the typed word by a candidate that was chosen.
     fn accept(&mut self, number: Option<u8>, time: Timestamp, step: &mut Step) {
         let Some(number) = number else { return };
+        self.leave_behind_repeats(time);
         self.is_changed = true;
         self.last_key = time;
         let index = usize::from(number).saturating_sub(1);
@@ -284,9 +283,12 @@ impl TextFilter {
         }
     }
 
-    fn is_repeating(&self, time: Timestamp) -> bool {
-        self.backspace_since
-            .is_some_and(|since| time.since(since) > REPEAT_DELAY)
+    /// Leaves the text if Backspace is held for so long that the receiver repeats it and has deleted more than is known.
+    fn leave_behind_repeats(&mut self, time: Timestamp) {
+        let held = self.backspace_since.map(|since| time.since(since));
+        if held > Some(REPEAT_DELAY) {
+            self.leave();
+        }
     }
 
     fn press(&mut self, key: KeyCode, event: OutputEvent, step: &mut Step) {
@@ -364,9 +366,7 @@ impl PressFilter for TextFilter {
                 match event.kind {
                     EventKind::KeyUp(key) => {
                         if key == KeyCode::BACKSPACE {
-                            if self.is_repeating(event.time) {
-                                self.leave();
-                            }
+                            self.leave_behind_repeats(event.time);
                             self.backspace_since = None;
                         }
                         step.push(event);
