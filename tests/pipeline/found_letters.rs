@@ -87,6 +87,14 @@ fn a_candidate_takes_the_place_of_a_word() {
 }
 
 #[test]
+fn each_sign_of_a_key_replaces_the_one_before_and_the_space_of_a_candidate() {
+    let hello = "tap words; tap 4; tap 3; tap 5; tap 5; tap 6; tap candidate-1";
+    let signs = |taps: usize| performs(&(hello.to_owned() + &"; tap 1".repeat(taps)));
+    let expected = ["hello. ", "hello, ", "hello/", "hello'", "hello-", "hello1"];
+    assert_eq!([1, 2, 3, 4, 5, 6].map(signs), expected);
+}
+
+#[test]
 fn behind_text_that_is_not_known_taps_in_a_row_choose() {
     let setup = setup("phone-words", Some(TextModeSchema::Auto));
     let script = "tap 4; tap 3; wait 3000; tap 2; tap 2; tap 2";

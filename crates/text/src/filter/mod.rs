@@ -4,6 +4,7 @@ mod burst;
 mod candidates;
 mod keys;
 mod learned;
+mod literal;
 mod step;
 mod stroke;
 mod text_filter;

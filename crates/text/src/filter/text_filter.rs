@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::time::Duration;
 
-use crate::correction::{MAX_EDITS, ends_word};
+use crate::correction::MAX_EDITS;
 use crate::keyboard::Millimetres;
 use crate::{Corrector, Edit, Tap};
 use arrayvec::ArrayVec;
@@ -12,6 +12,7 @@ use super::burst;
 use super::candidates::candidate_text;
 use super::decoder_mode;
 use super::keys::TextKeys;
+use super::literal::{ends_inside_word, takes_space};
 use super::step::Step;
 use super::stroke::{Progress, Stroke};
 use ademan_core::command::TextMode;
@@ -62,6 +63,8 @@ pub(super) struct TextFilter {
     backspace_since: Option<Timestamp>,
     /// `true` if the last key chose a candidate, which brought its space.
     is_spaced: bool,
+    /// `true` if a mark is in front of that space.
+    has_mark: bool,
     /// `true` if the typed text ends inside a word, in the mode `literal`.
     is_inside_word: bool,
     /// The text in the field, for the candidates.
@@ -90,6 +93,7 @@ impl TextFilter {
             last_key: Timestamp::default(),
             backspace_since: None,
             is_spaced: false,
+            has_mark: false,
             is_inside_word: false,
             shown: String::with_capacity(4_096),
             is_changed: false,
@@ -161,6 +165,7 @@ impl TextFilter {
             Ok(edits) => step.append(&edits, &self.keys, time),
             Err(burst::TooMany) => false,
         };
+        self.has_mark = false;
         if !self.is_spaced {
             self.corrector.leave();
         }
@@ -243,6 +248,7 @@ impl TextFilter {
         let has_space = edits.last() == Some(&Edit::Type(' '));
         let is_appended = step.append(&edits, &self.keys, time);
         self.is_spaced = is_appended && has_space;
+        self.has_mark = false;
         if !is_appended {
             self.corrector.set_inside_word(is_inside);
         }
@@ -254,6 +260,7 @@ impl TextFilter {
         let edits: ArrayVec<Edit, MAX_EDITS> =
             self.corrector.punctuate(mark).iter().copied().collect();
         self.is_spaced = step.append(&edits, &self.keys, event.time);
+        self.has_mark = self.is_spaced;
         if self.is_spaced {
             step.swallow(event);
         } else {
@@ -262,25 +269,21 @@ impl TextFilter {
         }
     }
 
-    /// Follows the text that is typed without the decoder, to know whether the cursor is inside a word when the mode changes.
-    fn follow_literal(&mut self, input: &FilterInput, events: &Events) {
-        let mut is_shifted = input.held.release_order().any(KeyCode::is_shift);
-        for event in events {
-            self.is_inside_word = match event.kind {
-                EventKind::KeyDown(key) if key.is_shift() => {
-                    is_shifted = true;
-                    continue;
-                }
-                EventKind::KeyDown(key) if key.is_modifier() => continue,
-                EventKind::KeyDown(key) => match key.us_character(is_shifted) {
-                    Some(character) => !ends_word(character),
-                    // An arrow or a Backspace, for example: the cursor may be in a word.
-                    None => true,
-                },
-                EventKind::Character(character) => !ends_word(character),
-                _ => continue,
-            };
+    /// Appends the Backspace of a multitap key, which deletes its last letter and has another letter behind it.
+    fn replace_letter(&mut self, letter: EventKind, event: OutputEvent, step: &mut Step) {
+        self.leave();
+        if self.is_spaced && !self.has_mark {
+            // A candidate has taken the place of the letter.
+            return step.swallow(event);
         }
+        let is_mark = |key: KeyCode| key.us_character(step.is_shifted()).is_some_and(takes_space);
+        let follows_mark = matches!(letter, EventKind::KeyDown(key) if is_mark(key));
+        if self.is_spaced && !follows_mark {
+            // The letter is a mark with a space behind it.
+            self.is_spaced = false;
+            step.append(&[Edit::Backspace], &self.keys, event.time);
+        }
+        step.push(event);
     }
 
     /// Leaves the text if Backspace is held for so long that the receiver repeats it and has deleted more than is known.
@@ -315,9 +318,7 @@ impl TextFilter {
             }
             // The previous candidate has brought the space.
             Some(' ') if is_spaced => step.swallow(event),
-            Some(mark @ ('.' | ',' | ';' | ':' | '!' | '?')) if is_spaced => {
-                self.punctuate(mark, event, step);
-            }
+            Some(mark) if is_spaced && takes_space(mark) => self.punctuate(mark, event, step),
             Some(character) => self.type_character(character, event, step),
             None => {
                 self.leave();
@@ -345,7 +346,7 @@ impl PressFilter for TextFilter {
     fn filter(&mut self, input: &FilterInput, events: &mut Events) {
         if self.state.mode == TextMode::Literal {
             self.choice = None;
-            self.follow_literal(input, events);
+            self.is_inside_word = ends_inside_word(self.is_inside_word, input.held, events);
             return;
         }
         let was_swiping = self.ignores_presses(input.side);
@@ -379,8 +380,7 @@ impl PressFilter for TextFilter {
                         step.swallow(event);
                     }
                     EventKind::KeyDown(_) if burst::replaces_letter(&given[index..]) => {
-                        self.leave();
-                        step.push(event);
+                        self.replace_letter(given[index + 2].kind, event, &mut step);
                     }
                     EventKind::KeyDown(key) => self.press(key, event, &mut step),
                     EventKind::Character(character) => {
