@@ -18,7 +18,6 @@ pub mod keycode;
 mod key_names;
 pub mod pressed_keys;
 pub mod capabilities;
-mod tap_pace;
 pub mod key_arbiter;
 mod debounce;
 mod target_index;

@@ -6,6 +6,7 @@ mod multitap;
 mod one_shots;
 mod sequence;
 mod step_hand;
+mod tap_pace;
 
 pub use self::action::{KeyAction, Latch, TextId};
 pub use self::multitap::{Multitap, MultitapId, Multitaps};
@@ -20,8 +21,8 @@ use self::multitap::Cycle;
 use self::one_shots::OneShots;
 use self::sequence::RunningSequence;
 use self::step_hand::StepHand;
+use self::tap_pace::TapPace;
 use super::pressed_keys::PressedKeys;
-use super::tap_pace::TapPace;
 use super::{EventKind, Events, KeyCode, OutputEvent};
 use crate::contact::{TargetId, Touch};
 use crate::hand::{Finger, Side};

@@ -1,13 +1,10 @@
 //! The hand of the present step, and the hands that may not type.
 
-use std::time::Duration;
-
 use arrayvec::ArrayVec;
 
 use super::{KeyAction, KeyArbiter, PressSource};
 use crate::device::EventKind;
 use crate::hand::Side;
-use crate::time::Timestamp;
 
 /// Maximum number of different keys and characters that are pressed for the other hand in one step. Further ones count for the hand of the
 /// step.
@@ -80,16 +77,6 @@ impl KeyArbiter {
         self.hand.is_paused = is_paused;
     }
 
-    /// Sets the time between two taps of a control with a value, beyond a few at once. At first nothing limits them.
-    pub fn set_tap_gap(&mut self, gap: Duration) {
-        self.tap_pace.set_gap(gap);
-    }
-
-    /// Counts a tap of a control with a value. Returns `false` if it has to wait.
-    pub(in crate::device) fn may_tap(&mut self, time: Timestamp) -> bool {
-        self.tap_pace.try_take(time)
-    }
-
     /// Returns the hand of the present step.
     pub(in crate::device) fn step_side(&self) -> Side {
         self.hand.side
@@ -138,6 +125,7 @@ mod tests {
     use crate::device::key_arbiter::words;
     use crate::device::{Events, KeyCode, Latch, TextId};
     use crate::hand::Finger;
+    use crate::time::Timestamp;
 
     const LEFT_MAY_ONLY_POINT: [bool; Side::COUNT] = [true, false];
 

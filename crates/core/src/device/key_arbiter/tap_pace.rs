@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::KeyArbiter;
 use crate::time::Timestamp;
 
 /// Taps come at once as long as they are due within this time at the pace.
@@ -16,14 +17,21 @@ pub(super) struct TapPace {
     due: Timestamp,
 }
 
-impl TapPace {
-    /// Sets the time between two taps at the pace.
-    pub(super) fn set_gap(&mut self, gap: Duration) {
-        self.gap = gap;
+impl KeyArbiter {
+    /// Sets the time between two taps of a control with a value, beyond a few at once. At first nothing limits them.
+    pub fn set_tap_gap(&mut self, gap: Duration) {
+        self.tap_pace.gap = gap;
     }
 
+    /// Counts a tap of a control with a value. Returns `false` if it has to wait.
+    pub(in crate::device) fn may_tap(&mut self, time: Timestamp) -> bool {
+        self.tap_pace.try_take(time)
+    }
+}
+
+impl TapPace {
     /// Counts a tap at `time`. Returns `false` if it has to wait.
-    pub(super) fn try_take(&mut self, time: Timestamp) -> bool {
+    fn try_take(&mut self, time: Timestamp) -> bool {
         if self.due.since(time) > BURST {
             return false;
         }
@@ -38,8 +46,10 @@ mod tests {
 
     #[test]
     fn a_burst_is_followed_by_taps_at_the_pace() {
-        let mut pace = TapPace::default();
-        pace.set_gap(Duration::from_millis(100));
+        let mut pace = TapPace {
+            gap: Duration::from_millis(100),
+            ..TapPace::default()
+        };
         let count = |ms: u64| {
             let time = Timestamp(ms * 1_000);
             (0..100).take_while(|_| pace.try_take(time)).count()
