@@ -14,7 +14,8 @@ const HOLD: Duration = Duration::from_millis(1_000);
 /// The time between two checks.
 const CHECK_PERIOD: Duration = Duration::from_millis(50);
 
-/// The time after which a pose is captured although a few channels change, as a loose wire does.
+/// The time after which a pose is captured although a few channels change, as with a loose wire, or all are as in the pose before, as with
+/// dead sensors.
 const STRICT_TIME: Duration = Duration::from_secs(6);
 
 /// The fraction of the channels that must be still after that time.

@@ -80,10 +80,11 @@ pub enum CalibrationError {
     },
 }
 
-/// The parts of a hand without a working sensor from which on the glove file is probably of another glove.
+/// The number of parts of the arm without a working sensor from which on the glove file is probably of another glove: each finger is a
+/// part, and so is the rest.
 const MANY_PARTS: usize = 3;
 
-/// Returns the advice if the channels of many parts of the hand carry nothing; empty otherwise.
+/// Returns the advice if the channels of many parts of the arm carry nothing; empty otherwise.
 fn advice(problems: &[Problem]) -> &'static str {
     let is_idle = |problem: &&Problem| {
         matches!(

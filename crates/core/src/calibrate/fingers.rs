@@ -143,7 +143,8 @@ fn clear_change(
     (second <= MAX_OTHER * largest).then_some((finger, largest))
 }
 
-/// Returns `true` for a joint of a finger that bends, which a pose of a single finger moves.
+/// Returns `true` for a joint of a finger that bends, which a pose of a single finger moves. The first joint angle of each finger is its
+/// abduction.
 fn is_flexion(dof: Dof) -> bool {
     dof.finger().is_some() && !dof.index().is_multiple_of(4)
 }

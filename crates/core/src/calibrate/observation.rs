@@ -63,7 +63,7 @@ impl Observations {
     }
 
     /// Returns the observations without the poses that bend one finger alone. Those tell the fingers apart, and are no measure of a
-    /// joint: the neighbours of a bent finger bend with it in part, as if their sensors followed it.
+    /// joint: the neighbors of a bent finger bend with it in part, as if their sensors followed it.
     #[must_use]
     pub fn without_single_fingers(&self) -> Self {
         let poses = self.poses.iter();

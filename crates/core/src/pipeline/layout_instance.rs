@@ -29,7 +29,7 @@ pub(super) struct PressRules {
     pub(super) pointer_only: [bool; Side::COUNT],
     /// `true` during a pause, whose events are not sent.
     pub(super) is_paused: bool,
-    /// Time between two presses of a sequence that the hand of the step has started.
+    /// Time between two presses of a sequence that the hand of the step has started, and between two taps of a control with a value.
     pub(super) sequence_gap: Duration,
 }
 

@@ -18,8 +18,8 @@ impl PressRateLimit {
     /// The default for network sources: an intruder is slower than a good typist.
     pub const NETWORK: Self = Self { per_second: 20 };
 
-    /// Returns the time between two presses of a sequence: at most 50 presses per second, and half of the rate limit, so that a
-    /// sequence alone never exceeds it and leaves room for the presses of a person.
+    /// Returns the time between two presses of a sequence, or two taps of a control with a value: at most 50 presses per second, and half
+    /// of the rate limit, so that one of them alone never exceeds it and leaves room for the presses of a person.
     pub(super) fn sequence_gap(self) -> Duration {
         let of_limit = Duration::from_secs(2) / self.per_second.max(1);
         of_limit.max(Duration::from_millis(20))

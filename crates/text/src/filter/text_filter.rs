@@ -53,7 +53,7 @@ pub(super) struct TextFilter {
     evidence: ArrayVec<Evidence, 10>,
     /// The last letter that was pressed, until its finger is lifted.
     stroke: Option<Stroke>,
-    /// The start of a stroke with whose end the text is no longer known, because the other hand is lost.
+    /// The start of the stroke that was going on when the other hand was lost: the text is forgotten when this stroke has ended.
     known_until: Option<Timestamp>,
     /// The number of the candidate that is taken in the next step of a hand that may type.
     choice: Option<u8>,
@@ -140,7 +140,7 @@ impl TextFilter {
         progress == Progress::Lifted
     }
 
-    /// Forgets the text if the stroke has ended with whose end it is no longer known.
+    /// Forgets the text if the stroke has ended that was going on when the other hand was lost.
     fn forget_behind_stroke(&mut self) {
         let Some(start) = self.known_until else {
             return;

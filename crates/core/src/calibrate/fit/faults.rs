@@ -26,7 +26,8 @@ const MIN_POSES: usize = 5;
 /// The smallest cross-talk that is named, as a fraction of the channel's range. Less is within the error of a joint.
 const CROSS_TALK: f64 = 0.1;
 
-/// The disagreement of the poses of a joint that no difference between people explains: seven standard deviations.
+/// The [excess misfit](ChannelFit::excess_misfit) of a joint that no difference between people explains: its poses disagree by seven
+/// standard deviations.
 const CONTRADICTION: f64 = 12.0;
 
 /// Returns the faults of all channels.
