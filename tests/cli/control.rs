@@ -226,7 +226,7 @@ fn a_layout_without_boards_refuses_every_move() {
     let _run = Process::start(&mut command).expect("the program starts");
     wait_until(|| Client::connect(Path::new(socket)).is_ok());
     let no_boards = "the active layout has no boards; nothing was moved";
-    let at_hand = ". A pointer or targets are placed at the hand with `pose: (anchor: start)`";
+    let at_hand = "; a pointer or targets are placed at the hand with `pose: (anchor: start)`";
     for (request, remedy) in [
         (&["nudge", "0", "0", "-5"][..], ""),
         (&["tilt", "5"][..], ""),

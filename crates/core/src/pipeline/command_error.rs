@@ -25,7 +25,7 @@ pub enum CommandError {
     NoBoards,
     /// The active layout has no boards that could be moved to the hand, and nothing that is placed at the hand.
     #[error(
-        "the active layout has no boards; nothing was moved. A pointer or targets are placed at the hand with `pose: (anchor: start)`"
+        "the active layout has no boards; nothing was moved; a pointer or targets are placed at the hand with `pose: (anchor: start)`"
     )]
     NothingToRecenter,
     /// A position is outside the range of a layout file.
