@@ -385,10 +385,12 @@ fn is_of_unit(first: char) -> bool {
 
 fn unknown_name(kind: &'static str, found: &str, expected: &'static [&'static str]) -> String {
     let error = UnknownName::new(kind, found, expected.iter().copied());
-    match error.nearest {
-        Some(_) => error.to_string(),
-        None => format!("{error}, expected one of: {}", expected.join(", ")),
+    let names = expected.iter().map(|&name| name.to_owned());
+    UnknownName {
+        expected: names.collect(),
+        ..error
     }
+    .to_string()
 }
 
 /// Converts a line and a column in characters, both from 1, to a byte offset.
