@@ -314,8 +314,9 @@ fn the_noise_of_a_tracker_types_hardly_any_letter_twice_and_misses_hardly_any() 
     for &(target, ..) in &struck.all {
         struck.scene.set_struck(target);
     }
-    // The limits of strokes: two points of a tap that are noisy by 2 mm are now and then as far apart as half the pitch, as if the hand
-    // passed by.
+    // The limits of strokes, inserted and missed: the first reading above the front ends a stroke, so that noise inserts more letters than
+    // with the plane; and two points of a tap that are noisy by 2 mm are now and then as far apart as half the pitch, as if the hand passed
+    // by.
     for (noise, rate, max_inserted, max_of_strokes) in [
         (0.001, 60.0, 0, [5, 0]),
         (0.001, 175.0, 0, [5, 0]),
