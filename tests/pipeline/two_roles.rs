@@ -4,33 +4,25 @@ use ademan::hand::Side;
 use ademan::pipeline::{PipelineState, SourceRole};
 use ademan::setup::{OtherHand, Setup};
 
-use crate::wearer::Wearer;
+use crate::wearer::{Wearer, boards_of_both_hands};
 
 /// Returns a layout with the same board for each hand. The name of a control starts with the side of its hand.
 fn boards() -> String {
-    let board = |side: &str, bearing: i32| {
-        format!(
-            r#"(
-            hand: "{side}",
-            pose: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, height_mm: -45),
-            pitch_mm: 24, size_mm: Box(22, 20),
-            keys: [
-                (code: "W", name: "{side}-w", at_mm: (0, 0)),
-                (code: "ControlLeft", name: "{side}-control", at_mm: (-24, 0)),
-                (code: "MouseLeft", name: "{side}-click", at_mm: (24, 0)),
-                (code: "A", hold: (code: "ControlRight"), hold_after_ms: 105, name: "{side}-hold", at_mm: (48, 0)),
-                (code: "D", dwell_ms: 105, name: "{side}-dwell", at_mm: (0, 24)),
-                (action: Text("hi"), dwell_ms: 105, name: "{side}-text", at_mm: (24, 24)),
-                (code: "C", name: "{side}-chord", at_mm: (-48, 0)),
+    let boards = boards_of_both_hands(
+        r#"keys: [
+                (code: "W", name: "SIDE-w", at_mm: (0, 0)),
+                (code: "ControlLeft", name: "SIDE-control", at_mm: (-24, 0)),
+                (code: "MouseLeft", name: "SIDE-click", at_mm: (24, 0)),
+                (code: "A", hold: (code: "ControlRight"), hold_after_ms: 105, name: "SIDE-hold", at_mm: (48, 0)),
+                (code: "D", dwell_ms: 105, name: "SIDE-dwell", at_mm: (0, 24)),
+                (action: Text("hi"), dwell_ms: 105, name: "SIDE-text", at_mm: (24, 24)),
+                (code: "C", name: "SIDE-chord", at_mm: (-48, 0)),
             ],
-            toggles: [(name: "{side}-toggle", at_mm: (-24, 24), hold: Key("ControlLeft"))],
-        )"#
-        )
-    };
+            toggles: [(name: "SIDE-toggle", at_mm: (-24, 24), hold: Key("ControlLeft"))]"#,
+    );
     let chords =
         r#"chord_timeout_ms: 45, chords: [(keys: "left-chord right-chord", action: Key("X"))]"#;
-    let (left, right) = (board("left", -35), board("right", 35));
-    format!(r#"Layout(name: "roles", boards: [{left}, {right}], {chords})"#)
+    format!(r#"Layout(name: "roles", boards: [{boards}], {chords})"#)
 }
 
 /// Returns a wearer whose left hand sends first in each step.

@@ -132,6 +132,23 @@ impl Wearer {
     }
 }
 
+/// Returns the text of a board for each hand, with these controls. `SIDE` in them stands for the side of the hand.
+pub fn boards_of_both_hands(controls: &str) -> String {
+    let board = |side: Side, bearing: i32| {
+        let own = controls.replace("SIDE", &side.to_string());
+        format!(
+            r#"(
+            hand: "{side}",
+            pose: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, height_mm: -45),
+            pitch_mm: 24, size_mm: Box(22, 20),
+            {own},
+        )"#
+        )
+    };
+    let (left, right) = (board(Side::Left, -35), board(Side::Right, 35));
+    format!("{left}, {right}")
+}
+
 /// Returns what a glove reads of these angles. Channels without a row are in the middle of their range.
 pub fn channels(map: &ChannelMap, angle: impl Fn(Dof) -> f64) -> Channels {
     let full_scale = map.full_scale();

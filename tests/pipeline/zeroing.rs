@@ -14,7 +14,7 @@ use crate::key_words::push_key_words;
 use crate::support::checked::CheckedPipeline;
 use crate::support::press::{Posture, Press, reading};
 use crate::support::wearer::load_layout;
-use crate::wearer::Wearer;
+use crate::wearer::{Wearer, boards_of_both_hands};
 
 /// A glove whose channels are shifted by a number of counts, as it has slipped.
 struct Slipped {
@@ -251,22 +251,14 @@ fn a_hand_that_does_not_come_to_rest_in_time_is_not_zeroed() {
 
 /// A wearer of two gloves, both slipped by 3°, who rests over the key `w` of each board. Each board has a key that zeroes the hand, too.
 fn wearer_of_slipped_gloves() -> Wearer {
-    let board = |side: Side, bearing: i32| {
-        format!(
-            r#"(
-            hand: "{side}",
-            pose: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, height_mm: -45),
-            pitch_mm: 24, size_mm: Box(22, 20),
-            keys: [
-                (code: "W", name: "{side}-w", at_mm: (0, 0)),
-                (action: Command("zero"), name: "{side}-zero", at_mm: (24, 0)),
-                (code: "A", name: "{side}-a", at_mm: (-48, 0)),
-                (code: "D", name: "{side}-d", at_mm: (48, 0)),
-            ],
-        )"#
-        )
-    };
-    let (left, right) = (board(Side::Left, -35), board(Side::Right, 35));
+    let boards = boards_of_both_hands(
+        r#"keys: [
+                (code: "W", name: "SIDE-w", at_mm: (0, 0)),
+                (action: Command("zero"), name: "SIDE-zero", at_mm: (24, 0)),
+                (code: "A", name: "SIDE-a", at_mm: (-48, 0)),
+                (code: "D", name: "SIDE-d", at_mm: (48, 0)),
+            ]"#,
+    );
     let setup = Setup {
         source: Some("serial:/dev/right".parse().expect("a source")),
         other_hand: Some(OtherHand {
@@ -275,7 +267,7 @@ fn wearer_of_slipped_gloves() -> Wearer {
         }),
         ..Setup::default()
     };
-    let layout = format!(r#"Layout(name: "two", boards: [{left}, {right}])"#);
+    let layout = format!(r#"Layout(name: "two", boards: [{boards}])"#);
     let mut wearer = Wearer::with_layout(&layout, setup);
     rest_both(&mut wearer);
     for side in [Side::Left, Side::Right] {
