@@ -36,7 +36,7 @@ pub enum CalibrationError {
         expected: u16,
     },
     /// Joints of the hand cannot be used.
-    #[error("the calibration is not usable: {}{}", reasons(.problems), advice(.problems))]
+    #[error("the calibration is not usable: {}", reasons(.problems))]
     Unusable {
         /// The problems.
         problems: Vec<Problem>,
@@ -84,8 +84,8 @@ pub enum CalibrationError {
 /// part, and so is the rest.
 const MANY_PARTS: usize = 3;
 
-/// Returns the advice if the channels of many parts of the arm carry nothing; empty otherwise.
-fn advice(problems: &[Problem]) -> &'static str {
+/// Returns the advice if the channels of many parts of the arm carry nothing.
+pub fn other_glove_advice(problems: &[Problem]) -> Option<&'static str> {
     let is_idle = |problem: &&Problem| {
         matches!(
             problem,
@@ -96,15 +96,16 @@ fn advice(problems: &[Problem]) -> &'static str {
     let mut parts: Vec<Option<Finger>> = idle.map(|problem| problem.dof().finger()).collect();
     parts.sort_unstable();
     parts.dedup();
-    if parts.len() < MANY_PARTS {
-        return "";
-    }
-    "; if the hand took the poses, the glove has other channels than the glove file: find them with `ademan calibrate --discover`, \
-     and name the new file with `--glove`"
+    (parts.len() >= MANY_PARTS).then_some(
+        "if the hand took the poses, the glove has other channels than the glove file: find them with `ademan calibrate --discover`, \
+         and name the new file with `--glove`",
+    )
 }
 
 fn reasons(problems: &[Problem]) -> String {
-    problem_messages(problems).join("; ")
+    let mut reasons = problem_messages(problems);
+    reasons.extend(other_glove_advice(problems).map(str::to_owned));
+    reasons.join("; ")
 }
 
 #[cfg(test)]

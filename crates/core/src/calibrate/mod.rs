@@ -30,7 +30,7 @@ mod sensors;
 
 pub use capture::{CaptureState, LiveChannel, PoseCapture};
 pub use discovery::{DISCOVERY_POSES, Discovery, discover};
-pub use error::CalibrationError;
+pub use error::{CalibrationError, other_glove_advice};
 pub use fingers::{FingerSensor, at_their_fingers, finger_sensors};
 pub use fit::{CalibrationResult, fit};
 pub use observation::{ChannelObservation, Observations, PoseObservation, rest_pose};

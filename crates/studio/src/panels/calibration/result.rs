@@ -7,7 +7,7 @@ use crate::guide::{Guide, GuideResult, JointChange};
 use crate::joint_names::{finger_name, joint_name};
 use crate::panels::PanelContext;
 use crate::texts::{text, text_with};
-use ademan_core::calibrate::{CalibrationError, Problem, Severity};
+use ademan_core::calibrate::{CalibrationError, Problem, Severity, other_glove_advice};
 use ademan_core::hand::Dof;
 use ademan_core::message::escape_path;
 
@@ -93,7 +93,11 @@ fn show_moved(ui: &mut egui::Ui, result: &GuideResult) {
 /// Returns the reasons of an error, one for each line.
 fn reasons(error: &CalibrationError) -> Vec<String> {
     match error {
-        CalibrationError::Unusable { problems } => problems.iter().map(words).collect(),
+        CalibrationError::Unusable { problems } => {
+            let mut lines: Vec<String> = problems.iter().map(words).collect();
+            lines.extend(other_glove_advice(problems).map(str::to_owned));
+            lines
+        }
         error => vec![error.to_string()],
     }
 }
@@ -160,5 +164,22 @@ mod tests {
             format!("channel 9 (Ring, end joint) {reason}"),
         ];
         assert_eq!(lines, expected);
+    }
+
+    #[test]
+    fn a_glove_without_counts_in_many_parts_is_to_be_discovered() {
+        let dead = |dof| Problem::DeadChannel {
+            channel: 1,
+            dof,
+            count: 0.0,
+        };
+        let dofs = [Dof::IndexPipFlexion, Dof::RingPipFlexion, Dof::ElbowFlexion];
+        let problems = dofs.map(dead).into();
+        let lines = reasons(&CalibrationError::Unusable { problems });
+        assert_eq!(lines.len(), 4);
+        assert!(
+            lines[3].contains("`ademan calibrate --discover`"),
+            "{lines:?}"
+        );
     }
 }
