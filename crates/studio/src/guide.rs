@@ -51,6 +51,8 @@ pub struct GuideResult {
     pub moved: Vec<FingerSensor>,
     /// `true` if the values have them at the fingers that they follow.
     pub is_matched: bool,
+    /// `true` if only some of the poses of single fingers were taken, so that the sensors of the fingers were not compared.
+    pub is_uncompared: bool,
 }
 
 /// The angles of a joint at the ends of the range of its sensor, before and after a calibration, in degrees.
@@ -161,12 +163,14 @@ impl Guide {
         if self.procedure.pose().is_none() && self.result.is_none() {
             let observations = self.procedure.observations();
             let sensors = calibrate::finger_sensors(observations, &self.start);
-            let sensors = sensors.unwrap_or_default();
-            let matched = calibrate::at_their_fingers(&sensors, &self.start);
+            let matched = sensors
+                .as_deref()
+                .and_then(|all| calibrate::at_their_fingers(all, &self.start));
             let start = matched.as_ref().unwrap_or(&self.start);
             let fit = calibrate::fit(&observations.without_single_fingers(), start);
             let is_matched = matched.is_some();
-            let result = fit.map(|fit| Box::new(self.result_of(fit, &sensors, is_matched)));
+            let result =
+                fit.map(|fit| Box::new(self.result_of(fit, sensors.as_deref(), is_matched)));
             self.result = Some(result);
         }
     }
@@ -174,7 +178,7 @@ impl Guide {
     fn result_of(
         &self,
         fit: CalibrationResult,
-        sensors: &[FingerSensor],
+        sensors: Option<&[FingerSensor]>,
         is_matched: bool,
     ) -> GuideResult {
         let observations = self.procedure.observations();
@@ -184,7 +188,10 @@ impl Guide {
                 rest: calibrate::rest_pose(observations, &fit.map),
             },
             changes: changes(&self.start, &fit.map, observations),
+            is_uncompared: sensors.is_none()
+                && *observations != observations.without_single_fingers(),
             moved: sensors
+                .unwrap_or_default()
                 .iter()
                 .copied()
                 .filter(FingerSensor::is_moved)
@@ -354,13 +361,33 @@ mod tests {
         let result = guide.result().unwrap().unwrap();
         let moved: Vec<usize> = result.moved.iter().map(|sensor| sensor.channel).collect();
         assert_eq!(moved, [52, 9]);
-        assert!(result.is_matched);
+        assert!(result.is_matched && !result.is_uncompared);
         glove_editor.set_all(result.calibration.clone());
         let text = glove_editor.text().unwrap();
         assert!(
             text.contains(r#"dof: "middle-pip-flexion", channel: 9,"#),
             "{text}"
         );
+    }
+
+    #[test]
+    fn the_sensors_of_the_fingers_are_not_compared_without_a_pose_of_one_finger() {
+        let mut guide = Guide::new(&editor()).with_single_fingers();
+        let mut wearer = SimulatedWearer::new(8, &guide.start, guide.side);
+        for _ in 0..20_000 {
+            let Some(pose) = guide.pose() else {
+                break;
+            };
+            if pose == CalibrationPose::RingBent {
+                guide.skip();
+                continue;
+            }
+            wearer.take(pose);
+            let (time, channels) = wearer.next_packet();
+            guide.push(time, &channels);
+        }
+        let result = guide.result().unwrap().unwrap();
+        assert!(result.is_uncompared && result.moved.is_empty());
     }
 
     #[test]

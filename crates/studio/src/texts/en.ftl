@@ -375,6 +375,7 @@ calibration-no-problem = No sensor has a problem.
 calibration-moved = Channel { $channel } follows another finger than in the glove file: { $followed }, not { $stated }
 calibration-matched = The result has these sensors at the fingers that they follow.
 calibration-unmatched = A finger has more sensors than in the glove file, so the channels stay: check wires and plugs.
+calibration-uncompared = The sensors of the fingers were not compared: a pose that bends one finger was skipped.
 calibration-before = Before
 calibration-after = After
 calibration-use = Use and save

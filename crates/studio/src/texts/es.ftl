@@ -375,6 +375,7 @@ calibration-no-problem = Ningún sensor tiene problemas.
 calibration-moved = El canal { $channel } sigue a otro dedo que en el archivo del guante: { $followed }, no { $stated }
 calibration-matched = El resultado tiene estos sensores en los dedos a los que siguen.
 calibration-unmatched = Un dedo tiene más sensores que en el archivo del guante, así que los canales no cambian: revise cables y conectores.
+calibration-uncompared = No se han comparado los sensores de los dedos: se ha saltado una pose que dobla un solo dedo.
 calibration-before = Antes
 calibration-after = Después
 calibration-use = Usar y guardar

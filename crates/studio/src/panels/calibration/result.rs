@@ -42,7 +42,8 @@ fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
     ui.heading(RichText::new(score).size(22.0));
     ui.add_space(6.0);
     show_moved(ui, result);
-    if result.fit.problems.is_empty() && result.moved.is_empty() {
+    let is_sound = result.moved.is_empty() && !result.is_uncompared;
+    if result.fit.problems.is_empty() && is_sound {
         ui.label(format!("√ {}", text("calibration-no-problem")));
     }
     for problem in &result.fit.problems {
@@ -69,7 +70,7 @@ fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
     });
 }
 
-/// Shows the sensors that follow another finger than in the glove file, and what became of them.
+/// Shows the sensors that follow another finger than in the glove file, and what became of them, or that they were not compared.
 fn show_moved(ui: &mut egui::Ui, result: &GuideResult) {
     for sensor in &result.moved {
         let followed = sensor.followed.map_or("", finger_name);
@@ -87,6 +88,9 @@ fn show_moved(ui: &mut egui::Ui, result: &GuideResult) {
         ui.label(format!("√ {}", text("calibration-matched")));
     } else if !result.moved.is_empty() {
         ui.label(format!("× {}", text("calibration-unmatched")));
+    }
+    if result.is_uncompared {
+        ui.label(format!("▲ {}", text("calibration-uncompared")));
     }
 }
 
