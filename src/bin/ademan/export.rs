@@ -35,7 +35,7 @@ pub struct Args {
     /// Order of the rotation channels; `zxy` is R = Rz · Rx · Ry
     #[arg(long, value_name = "ORDER", default_value = "zxy", value_parser = order)]
     order: EulerOrder,
-    /// Setup file. Without it, a recording has its own setup
+    /// Setup file. Without it, a recording has its own setup, and another source setup.ron in the configuration folder, if it exists
     #[arg(long, add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]

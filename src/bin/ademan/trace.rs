@@ -43,7 +43,7 @@ pub struct Args {
     /// Print the statistics as one JSON object
     #[arg(long, requires = "stats")]
     json: bool,
-    /// Setup file. Without it, a recording has its own setup
+    /// Setup file. Without it, a recording has its own setup, and another source setup.ron in the configuration folder, if it exists
     #[arg(long, add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]
