@@ -45,7 +45,8 @@ pub struct Args {
     #[arg(long, conflicts_with = "lan")]
     open: bool,
     /// Serve the page to a headset on the network over TLS, and run a session with its hands, which only points until you allow
-    /// keys. The address of this machine is found, unless there are several networks
+    /// keys. The address of this machine is found, unless there are several networks. The other settings of the session come from
+    /// setup.ron in the configuration folder, if it exists
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "")]
     lan: Option<String>,
     #[command(flatten)]
