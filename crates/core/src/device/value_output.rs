@@ -279,10 +279,11 @@ impl ValueEmitter {
         out: &mut DeviceOutput,
     ) {
         let side = out.arbiter.step_side();
-        if self.waits_for.take_if(|by| *by == side).is_none() && self.waits_for.is_some() {
+        if self.waits_for.is_some_and(|by| by != side) {
             // What is due waits for a step of the other hand.
             return;
         }
+        self.waits_for = None;
         let source = PressSource::Part(self.target, 0);
         let action = if due > 0 { increase } else { decrease };
         let is_command = matches!(action, KeyAction::Command(_));
