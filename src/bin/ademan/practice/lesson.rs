@@ -69,8 +69,8 @@ pub struct Lesson {
     pub text: String,
     /// The fingers that type each character, if some characters are chords of bent fingers.
     pub fingers: ChordLegend,
-    /// The same in a lesson of chords, which rates them; otherwise empty.
-    pub chords: ChordLegend,
+    /// `true` in a lesson of chords, which rates each of them.
+    pub rates_chords: bool,
     /// `true` if a text decoder finds the letters of multitap keys from one tap each.
     pub finds_letters: bool,
 }
@@ -113,16 +113,11 @@ impl Lesson {
                 format!("`{layout_name}` types a character with several taps of a key, and practice counts one press for each character; {remedy}")
             })
         })?;
-        let fingers = legend(&text, layout);
-        let chords = match args.lesson {
-            Some(LessonKind::Chords) => fingers.clone(),
-            _ => ChordLegend::new(),
-        };
         Ok(Self {
             name,
+            fingers: legend(&text, layout),
             text,
-            fingers,
-            chords,
+            rates_chords: matches!(args.lesson, Some(LessonKind::Chords)),
             finds_letters,
         })
     }

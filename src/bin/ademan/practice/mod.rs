@@ -245,7 +245,7 @@ fn practice(
     let is_by_simulation = is_by_simulation(&setup, is_simulated);
     let mut line = PracticeLine::new(&lesson.text)
         .with_fingers(lesson.fingers.clone())
-        .with_rated_chords(!lesson.chords.is_empty())
+        .with_rated_chords(lesson.rates_chords)
         .with_found_letters(lesson.finds_letters);
     run_task(args, setup, hand, &mut line)?;
     let is_complete = line.is_complete() || is_simulated && !signals::is_stop_requested();

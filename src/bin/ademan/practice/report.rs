@@ -25,6 +25,7 @@ pub struct Report {
     score: TypingScore,
     seconds: f64,
     characters: Vec<CharacterScore>,
+    /// The fingers of each character of a lesson of chords; otherwise empty.
     chords: ChordLegend,
     finds_letters: bool,
     /// `true` if the whole text was typed.
@@ -48,7 +49,11 @@ impl Report {
             layout,
             seconds: line.seconds(),
             characters: line.characters(&score.presented),
-            chords: lesson.chords.clone(),
+            chords: if lesson.rates_chords {
+                lesson.fingers.clone()
+            } else {
+                ChordLegend::new()
+            },
             finds_letters: lesson.finds_letters,
             score,
             is_complete,
