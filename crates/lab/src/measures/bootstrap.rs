@@ -134,7 +134,7 @@ mod tests {
             count
         }
         let normal = held(Draw::new(5, 6), |draw| 10.0 + 2.0 * draw.normal(), 10.0);
-        // A skewed distribution, as that of errors: its mean is e^(σ² / 2), and σ² is ln 1.25.
+        // A skewed distribution, like the errors of people. Its mean is e^(σ² / 2), and σ² is ln 1.25.
         let truth = 1.25_f64.sqrt();
         let skewed = held(Draw::new(7, 6), |draw| draw.log_normal(1.0, 0.5), truth);
         // The 2.5 % and the 97.5 % quantile hold 344 and 335 of 400.

@@ -146,7 +146,7 @@ pub fn words_per_minute(length: usize, seconds: f64) -> f64 {
     (length - 1) as f64 / seconds * 60.0 / 5.0
 }
 
-/// Returns the number of words of a presented text, and the Levenshtein distance of its words from those of a typed one. Words are
+/// Returns the number of words of a presented text, and the Levenshtein distance between its words and the typed ones. Words are
 /// separated by blanks; capitals and punctuation are part of them.
 pub fn word_errors(presented: &str, typed: &str) -> [usize; 2] {
     let [presented, typed] =

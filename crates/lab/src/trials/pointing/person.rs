@@ -55,7 +55,7 @@ pub(super) struct Clicked {
     pub(super) place: [f64; 2],
     /// The time then, in seconds.
     pub(super) seconds: f64,
-    /// The positions of the cursor since the last click: that of this click is the last one.
+    /// The positions of the cursor since the last click, this click included.
     pub(super) path: Vec<[f64; 2]>,
 }
 
