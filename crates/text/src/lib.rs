@@ -30,11 +30,12 @@
 //! Σ ln p(tap | key) + λ Σ ln P(word | two words before) + Σ ln P(error)
 //! ```
 //!
-//! - A tap of key k is normal: `N(center + offset of the person + offset of k + drift of the hand, Σₖ + drift variance)`, or, with
-//!   e^-9, anywhere on the keyboard (Goodman et al. 2002; Bi and Zhai 2013 for the dual normal distribution that makes touches
+//! - A tap of key k is normal: `N(center + offset of the person + offset of k + drift of the hand + ρ · scatter of the last tap,
+//!   (1 − ρ²) Σₖ + drift variance)`, or, with e^-9, anywhere on the keyboard (Goodman et al. 2002; Bi and Zhai 2013 for the dual normal distribution that makes touches
 //!   scatter around an offset).
 //! - Offsets and covariances have a normal-inverse-Wishart prior and forget exponentially; the drift of a hand is a random walk, tracked by
-//!   a Kalman filter with each hypothesis. The scale of the prior's covariance shrinks with the distances of the last taps from the
+//!   a Kalman filter with each hypothesis. ρ, one correlation for two taps of one hand and one for taps of different hands, starts from
+//!   real taps and is learned. The scale of the prior's covariance shrinks with the distances of the last taps from the
 //!   likeliest keys, before anything is committed.
 //! - `P(word | two words before)` interpolates threes, pairs and words with absolute discounting (Ney, Essen and Kneser 1994); the
 //!   probability of a word alone comes half from its count, half from the number of words before it (Kneser and Ney 1995). Another

@@ -2,6 +2,7 @@
 
 mod support;
 
+use ademan_text::touch::PairSums;
 use ademan_text::{Key, Keyboard, Model, Prior, Tap};
 use serde_json::Value;
 use support::session::{Errors, Phrase, decode, nearest};
@@ -44,6 +45,8 @@ struct Person {
     name: String,
     phrases: Vec<Phrase>,
     offsets: Vec<[f32; 2]>,
+    /// Successive letters with their offsets.
+    successive: Vec<[(char, [f32; 2]); 2]>,
 }
 
 fn people(file: &Value, keyboard: &Keyboard) -> Vec<Person> {
@@ -52,6 +55,8 @@ fn people(file: &Value, keyboard: &Keyboard) -> Vec<Person> {
         let source = phrase["source"].as_str().expect("a source");
         let name = source.split('/').next().expect("a person");
         let mut offsets = Vec::new();
+        let mut successive = Vec::new();
+        let mut before = None;
         let taps = phrase["taps"].as_array().expect("taps").iter().map(|tap| {
             let character = character(tap["key"].as_str().expect("a key"));
             let key = keyboard.keys()[keyboard.index(character).expect("a key")];
@@ -59,9 +64,10 @@ fn people(file: &Value, keyboard: &Keyboard) -> Vec<Person> {
                 number(&tap["dxNorm"]) * key.size[0],
                 number(&tap["dyNorm"]) * key.size[1],
             ];
-            if character.is_alphabetic() {
-                offsets.push(offset);
-            }
+            let letter = character.is_alphabetic().then_some((character, offset));
+            offsets.extend(letter.map(|(_, offset)| offset));
+            successive.extend(before.zip(letter).map(|(before, letter)| [before, letter]));
+            before = letter;
             Tap::at(key.center[0] + offset[0], key.center[1] + offset[1])
         });
         let taps = taps.collect();
@@ -73,6 +79,7 @@ fn people(file: &Value, keyboard: &Keyboard) -> Vec<Person> {
                     name: name.to_owned(),
                     phrases: Vec::new(),
                     offsets: Vec::new(),
+                    successive: Vec::new(),
                 });
                 people.len() - 1
             });
@@ -83,6 +90,7 @@ fn people(file: &Value, keyboard: &Keyboard) -> Vec<Person> {
             space: None,
         });
         people[index].offsets.extend(offsets);
+        people[index].successive.extend(successive);
     }
     people
 }
@@ -114,6 +122,56 @@ fn prior<'a>(people: impl Iterator<Item = &'a Person>) -> Prior {
         covariance: squares.map(|sum| sum / count),
         ..Prior::phone()
     }
+}
+
+/// Adds the successive letters of people to the sums of the other and of the same hand, if the left thumb types up to T, G and B.
+fn pairs_of(people: &[Person]) -> [PairSums; 2] {
+    let is_left = |letter: char| "qwertasdfgzxcvb".contains(letter);
+    let mut sums = [PairSums::default(); 2];
+    for person in people {
+        let count = person.offsets.len() as f32;
+        let mean: [f32; 2] = std::array::from_fn(|axis| {
+            person
+                .offsets
+                .iter()
+                .map(|offset| offset[axis])
+                .sum::<f32>()
+                / count
+        });
+        let centered = |offset: [f32; 2]| {
+            // A slip to another key is no scatter.
+            std::array::from_fn(|axis| (offset[axis] - mean[axis]).clamp(-6.0, 6.0))
+        };
+        for [first, second] in &person.successive {
+            let is_same_hand = is_left(first.0) == is_left(second.0);
+            sums[usize::from(is_same_hand)].add(centered(first.1), centered(second.1));
+        }
+    }
+    sums
+}
+
+#[test]
+fn a_real_tap_is_beside_its_key_on_the_side_of_the_tap_before() {
+    let (Some(taps), Some(keys)) = (
+        json("data/taps/tsi_odd_users.json"),
+        json("data/taps/keyboard_data.json"),
+    ) else {
+        return;
+    };
+    let [other, same] = pairs_of(&people(&taps, &keyboard(&keys)));
+    println!(
+        "correlation of {} pairs of one thumb: {:.3}, of {} pairs of both: {:.3}",
+        same.pairs,
+        same.correlation(),
+        other.pairs,
+        other.correlation()
+    );
+    // The standard error of either is 0.05 with these numbers of pairs along two axes.
+    assert!((0.1..0.3).contains(&same.correlation()), "{same:?}");
+    assert!((0.0..0.2).contains(&other.correlation()), "{other:?}");
+    let prior = Prior::default();
+    assert!((prior.same_hand - same.correlation()).abs() < 0.1);
+    assert!((prior.other_hand - other.correlation()).abs() < 0.1);
 }
 
 #[test]

@@ -92,6 +92,41 @@ fn the_weights_of_latin_ime_find_a_word_with_one_error_of_each_kind() {
     assert_eq!(LatinIme::new(Vec::new(), &keyboard()).word(&[]), None);
 }
 
+#[test]
+fn successive_taps_are_read_better_by_a_model_that_knows_their_correlation() {
+    let Some(mut phrases) = phrases(false) else {
+        return;
+    };
+    phrases.truncate(40);
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    let keyboard = keyboard();
+    let independent = Prior {
+        same_hand: 0.0,
+        other_hand: 0.0,
+        pairs: 1e6,
+        ..Prior::default()
+    };
+    let errors = |prior: Prior| {
+        let mut errors = Errors::default();
+        for seed in 1_000..1_004 {
+            let mut person = Person::new(TIERS[3], seed);
+            let typed: Vec<Phrase> = phrases.iter().map(|phrase| person.types(phrase)).collect();
+            let texts = decode(&model, &keyboard, prior, &typed);
+            for (phrase, text) in typed.iter().zip(&texts) {
+                errors.add(&phrase.meant, text);
+            }
+        }
+        errors
+    };
+    let (without, with) = (errors(independent), errors(Prior::default()));
+    println!(
+        "CER {:.2} % without, {:.2} % with",
+        without.cer(),
+        with.cer()
+    );
+    assert!(with.cer() < 0.9 * without.cer(), "{without:?} {with:?}");
+}
+
 /// The phrases for which limits were measured.
 const SMALL: usize = 60;
 

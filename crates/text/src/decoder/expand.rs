@@ -12,6 +12,7 @@ use crate::model::alphabet::Symbol;
 use crate::model::bigrams::NO_ROW;
 use crate::model::lexicon::{Case, ROOT};
 use crate::model::spelling::START;
+use crate::touch::Hands;
 
 /// The log-probability of each character of a word with digits or signs.
 pub const ANY_CHARACTER: f32 = -3.2;
@@ -151,7 +152,7 @@ impl Expansion<'_, '_> {
         }
         let Some((touch, key)) = self
             .touches
-            .of_letter(contents.symbol(), &partial.token.drift)
+            .of_letter(contents.symbol(), &partial.token.hands)
         else {
             return;
         };
@@ -161,18 +162,18 @@ impl Expansion<'_, '_> {
         let mut next = *partial;
         next.token.score = score + touch;
         next.token.place = Place::Word(child);
-        next.token.drift = self.drift(touch, key, &partial.token.drift);
+        next.token.hands = self.hands(touch, key, &partial.token.hands);
         let letter = self.model.alphabet.letter(contents.symbol());
         next.emission = next.emission.with(letter, From::This, Case::Lower);
         self.push(next);
     }
 
-    fn drift(&self, touch: f32, key: usize, drift: &[Millimetres; 2]) -> [Millimetres; 2] {
+    fn hands(&self, touch: f32, key: usize, hands: &Hands) -> Hands {
         // A tap far from its key is a slip and tells nothing.
         if touch <= self.touches.anywhere() {
-            return *drift;
+            return *hands;
         }
-        self.touches.drifted(key, drift)
+        self.touches.moved(key, hands)
     }
 
     /// Uses the tap as the end of a word. Returns the hypothesis with its word complete, if it can still be kept.
@@ -182,7 +183,7 @@ impl Expansion<'_, '_> {
             let space = self.touches.space();
             if let Some(space) = space.filter(|_| partial.token.end != super::history::NONE) {
                 let mut next = *partial;
-                next.token.score += SECOND_SPACE + self.touches.of_key(space, &partial.token.drift);
+                next.token.score += SECOND_SPACE + self.touches.of_key(space, &partial.token.hands);
                 next.emission = next.emission.with(' ', From::This, Case::Lower);
                 self.push(next);
             }
@@ -207,7 +208,7 @@ impl Expansion<'_, '_> {
                 mark if near.key == self.typed.0 && is_punctuation(mark) => DOUBLE,
                 _ => continue,
             };
-            let touch = self.touches.of_key(near.key, &partial.token.drift);
+            let touch = self.touches.of_key(near.key, &partial.token.hands);
             let mut next = *partial;
             let mark = punctuation(self.options, near.character, next.token.sentence);
             next.token.score += touch + mark + cost;
@@ -223,7 +224,7 @@ impl Expansion<'_, '_> {
         if !self.is_sign || !joins_words(sign) {
             return;
         }
-        let touch = self.touches.of_key(key, &partial.token.drift);
+        let touch = self.touches.of_key(key, &partial.token.hands);
         let mut next = *partial;
         next.token.score += touch + JOINT + self.best(ROOT) - expected;
         next.token.place = Place::Word(ROOT);
@@ -260,7 +261,7 @@ impl Expansion<'_, '_> {
             return;
         }
         if let Some(space) = self.touches.space() {
-            let touch = self.touches.of_key(space, &ended.token.drift);
+            let touch = self.touches.of_key(space, &ended.token.hands);
             let mut next = *ended;
             next.token.score += touch + self.best(ROOT);
             if next.token.score > self.beam.limit() {
@@ -269,7 +270,7 @@ impl Expansion<'_, '_> {
                     ROOT => NO_ROW,
                     node => self.model.next_row(ended.token.row, node),
                 };
-                next.token.drift = self.drift(touch, space, &ended.token.drift);
+                next.token.hands = self.hands(touch, space, &ended.token.hands);
                 next.emission = next.emission.with(' ', From::This, case);
                 self.push(next);
             }
@@ -279,13 +280,13 @@ impl Expansion<'_, '_> {
             if !is_punctuation(near.character) && near.character != '\'' {
                 continue;
             }
-            let touch = self.touches.of_key(near.key, &ended.token.drift);
+            let touch = self.touches.of_key(near.key, &ended.token.hands);
             let mut next = *ended;
             next.token.score +=
                 touch + punctuation(self.options, near.character, next.token.sentence);
             next.token.place = Place::Gap;
             next.token.row = self.model.row_behind(near.character);
-            next.token.drift = self.drift(touch, near.key, &ended.token.drift);
+            next.token.hands = self.hands(touch, near.key, &ended.token.hands);
             next.emission = next.emission.with(near.character, From::This, case);
             self.push(next);
         }
@@ -308,7 +309,7 @@ impl Expansion<'_, '_> {
             let Some(symbol) = near.symbol else { continue };
             let (spelling, state) = self.model.spelling.letter(state, symbol);
             let spelling = self.language(spelling);
-            let touch = self.touches.of_key(near.key, &partial.token.drift);
+            let touch = self.touches.of_key(near.key, &partial.token.hands);
             let mut next = *partial;
             let is_same = near.key == self.typed.0;
             let cost = if is_same {
@@ -322,7 +323,7 @@ impl Expansion<'_, '_> {
             } else {
                 Place::Spelled(state)
             };
-            next.token.drift = self.drift(touch, near.key, &partial.token.drift);
+            next.token.hands = self.hands(touch, near.key, &partial.token.hands);
             next.emission = next.emission.with(near.character, From::This, Case::Lower);
             self.push(next);
         }
@@ -349,7 +350,7 @@ impl Expansion<'_, '_> {
     /// Uses the tap as the typed character of a word with digits or signs.
     fn verbatim(&mut self, partial: &Partial) {
         let (key, character) = self.typed;
-        let touch = self.touches.of_key(key, &partial.token.drift);
+        let touch = self.touches.of_key(key, &partial.token.hands);
         if character == ' ' || is_punctuation(character) {
             return self.separators(partial, ROOT, Case::Lower);
         }
@@ -368,7 +369,7 @@ impl Expansion<'_, '_> {
         let mut start = *partial;
         start.token.place = Place::Word(ROOT);
         if let Some(space) = self.touches.space() {
-            let touch = self.touches.of_key(space, &partial.token.drift);
+            let touch = self.touches.of_key(space, &partial.token.hands);
             let mut next = start;
             next.token.score += touch + self.best(ROOT);
             next.emission = next.emission.with(' ', From::This, Case::Lower);
@@ -380,7 +381,7 @@ impl Expansion<'_, '_> {
             if is_quote || is_punctuation(near.character) {
                 let cost = if is_quote { RARE } else { DOUBLE };
                 let mut next = *partial;
-                next.token.score += cost + self.touches.of_key(near.key, &partial.token.drift);
+                next.token.score += cost + self.touches.of_key(near.key, &partial.token.hands);
                 next.emission = next.emission.with(near.character, From::This, Case::Lower);
                 self.push(next);
             }
@@ -452,7 +453,7 @@ impl Expansion<'_, '_> {
         let lexicon = &self.model.lexicon;
         for first in lexicon.children(node) {
             let first_symbol = lexicon.node(first).symbol();
-            let Some((touch, _)) = self.touches.of_letter(first_symbol, &token.drift) else {
+            let Some((touch, _)) = self.touches.of_letter(first_symbol, &token.hands) else {
                 continue;
             };
             let score = base + touch + self.best(first);
@@ -461,7 +462,7 @@ impl Expansion<'_, '_> {
             }
             for second in lexicon.children(first) {
                 let symbol = lexicon.node(second).symbol();
-                let second_touch = self.touches.letter_at(previous, symbol, &token.drift);
+                let second_touch = self.touches.letter_at(previous, symbol, &token.hands);
                 let Some((second_touch, _)) = second_touch else {
                     continue;
                 };

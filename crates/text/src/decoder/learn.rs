@@ -52,7 +52,7 @@ impl Decoder<'_> {
         self.learn(&best);
         self.render(&best);
         learn_words(&mut self.words, &self.model, self.rendered.shown());
-        self.touch.drift = token.drift;
+        self.touch.hands = token.hands;
         self.sentence = token.sentence;
         self.touches.learn(&self.keyboard, &self.touch);
         self.update_costs();
@@ -106,10 +106,10 @@ impl Decoder<'_> {
 
     /// Takes a text as meant, or what was typed, without learning from the taps, and starts afresh behind it.
     pub fn commit_behind(&mut self, text: Option<&str>) {
-        self.touch.drift = self
+        self.touch.hands = self
             .tokens
             .first()
-            .map_or(self.touch.drift, |token| token.drift);
+            .map_or(self.touch.hands, |token| token.hands);
         let text = text.unwrap_or(self.literal.text());
         learn_words(&mut self.words, &self.model, text);
         let start = match text.chars().next_back() {
@@ -138,7 +138,7 @@ impl Decoder<'_> {
 
     /// Learns where the keys were tapped that a text consists of.
     fn learn(&mut self, best: &Finished) {
-        let drift = self.tokens[best.token].drift;
+        let drift = self.tokens[best.token].hands.drift;
         let mut end = best.end;
         let mut used = 0;
         let mut seen = ErrorCounts {
@@ -147,6 +147,7 @@ impl Decoder<'_> {
             ..ErrorCounts::default()
         };
         let mut next_tap = NONE;
+        let mut later: Option<(u32, u8, Millimetres)> = None;
         while let Some(entry) = self.history.get(end) {
             end = entry.previous;
             match (entry.tap, entry.character) {
@@ -175,9 +176,19 @@ impl Decoder<'_> {
                 std::array::from_fn(|axis| tap.position[axis] - key.center[axis] - shift[axis]);
             // A slip to another key says nothing about where the key is felt.
             let inside = (0..2).all(|axis| residual[axis].abs() < 1.5 * key.size[axis]);
-            if inside {
-                self.touch.learn(key.character, residual);
+            if !inside {
+                continue;
             }
+            self.touch.learn(key.character, residual);
+            let is_wide = key.size[0] > 2.0 * key.size[1];
+            let this = (!is_wide).then_some((entry.tap, key.hand, residual));
+            if let (Some(first), Some(second)) = (this, later)
+                && first.0 + 1 == second.0
+            {
+                let is_same_hand = first.1 == second.1;
+                self.touch.learn_pair(is_same_hand, first.2, second.2);
+            }
+            later = this;
         }
         seen.spurious = seen.taps.saturating_sub(used);
         self.touch.learn_errors(seen);
@@ -211,6 +222,7 @@ mod tests {
     use super::*;
     use crate::build::Builder;
     use crate::keyboard::{ELSEWHERE, Key, Keyboard, Tap};
+    use crate::touch::Hands;
     use crate::{Options, Prior, TouchModel};
 
     #[test]
@@ -231,7 +243,10 @@ mod tests {
         });
         for drift in [0.0, 8.0] {
             let touch = TouchModel {
-                drift: [[drift, 0.0]; 2],
+                hands: Hands {
+                    drift: [[drift, 0.0]; 2],
+                    ..Hands::default()
+                },
                 ..TouchModel::new(Prior::default())
             };
             let model = Model::from_bytes(&bytes).expect("a model");
@@ -248,8 +263,40 @@ mod tests {
             decoder.commit();
             // The taps of `u`; a space is hit anywhere.
             assert_eq!(decoder.touch().person.taps, 1.0);
-            assert_eq!(decoder.touch().drift[0], [drift, 0.0]);
+            assert_eq!(decoder.touch().hands.drift[0], [drift, 0.0]);
         }
+    }
+
+    #[test]
+    fn successive_taps_of_a_hand_are_learned_but_not_across_a_space() {
+        let mut builder = Builder::new();
+        builder.words("cat").expect("a list");
+        let bytes = builder.build().expect("a model");
+        let keys = "cat ".chars().zip(0_u8..).map(|(character, index)| Key {
+            character,
+            center: [f32::from(index) * 19.0, 0.0],
+            size: [if character == ' ' { 60.0 } else { 17.0 }, 17.0],
+            hand: u8::from(character == 't'),
+        });
+        let keys: Vec<Key> = keys.collect();
+        let touch = TouchModel::new(Prior::default());
+        let model = Model::from_bytes(&bytes).expect("a model");
+        let keyboard = Keyboard::new(keys.iter().copied());
+        let mut decoder = Decoder::new(model, keyboard, touch, Options::default());
+        for character in "cat cat ".chars() {
+            let key = keys.iter().find(|key| key.character == character);
+            let [x, y] = key.expect("a key").center;
+            decoder.tap(Tap::at(x + 2.0, y));
+        }
+        assert_eq!(decoder.best(), "Cat cat ");
+        decoder.commit();
+        // `c` and `a`, `a` and `t` of each word.
+        let touch = decoder.touch();
+        assert!((touch.same_hand.pairs - 2.0).abs() < 0.01);
+        assert!((touch.other_hand.pairs - 2.0).abs() < 0.01);
+        assert!(touch.same_hand.correlation() > 0.5, "{touch:?}");
+        decoder.start_anywhere();
+        assert_eq!(decoder.touch().hands.scatter, [0.0; 2]);
     }
 
     #[test]

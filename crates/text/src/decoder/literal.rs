@@ -5,11 +5,11 @@ use super::expand::{ANY_CHARACTER, spelling_end};
 use super::marks::{JOINT, is_punctuation, joins_words, punctuation};
 use super::touches::Touches;
 use crate::correction::ends_word;
-use crate::keyboard::Millimetres;
 use crate::model::bigrams::{NO_ROW, Row};
 use crate::model::lexicon::Prefix;
 use crate::model::spelling::START;
 use crate::model::{Model, ends_sentence};
+use crate::touch::Hands;
 
 /// The part of the margin that is left behind a correction.
 const CORRECTED_TRUST: f32 = 0.4;
@@ -116,7 +116,7 @@ impl Literal {
         model: &Model,
         options: &Options,
         touches: &Touches,
-        drift: &[Millimetres; 2],
+        hands: &Hands,
     ) {
         let (key, character) = typed;
         self.text.push(shown);
@@ -126,7 +126,7 @@ impl Literal {
         } else {
             sentence.saturating_add(1)
         };
-        self.score += touches.of_key(key, drift);
+        self.score += touches.of_key(key, hands);
         if character == ' ' || is_punctuation(character) || joins_words(character) {
             let (language, node) = self.language(model, options);
             self.score += language;

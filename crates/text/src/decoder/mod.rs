@@ -1,12 +1,12 @@
 //! The decoder: from taps to the text that they most probably mean.
 //!
-//! A hypothesis is a place in the lexicon, the word before, the characters so far and the drift of the hands that fits them. With
+//! A hypothesis is a place in the lexicon, the word before, the characters so far and the displacement of the hands that fits them. With
 //! each tap a hypothesis becomes several: the next letter, the end of the word, nothing at all (an insertion), a letter after one that was
 //! left out (an omission), two letters in the wrong order, a new word without a space, or a letter of a word that is not in the
 //! lexicon. Their score is
 //!
 //! ```text
-//! Σ ln N(tap; key + offset + drift, Σ) + λ Σ ln P(word | word before) + Σ cost of each error
+//! Σ ln N(tap; key + offset + displacement, Σ) + λ Σ ln P(word | word before) + Σ cost of each error
 //! ```
 //!
 //! and inside a word, ln P of the likeliest word that it can become. Hypotheses at the same place after the same word are one. After
@@ -254,6 +254,7 @@ impl<'m> Decoder<'m> {
     /// Drops all taps and continues after unknown text, without learning. The hands may have moved.
     pub fn start_anywhere(&mut self) {
         self.touches.lift();
+        self.touch.hands.lift();
         self.row = NO_ROW;
         self.sentence = MIDDLE;
         self.starts_sentence = false;
@@ -287,7 +288,7 @@ impl<'m> Decoder<'m> {
             row: self.row,
             end: NONE,
             sentence: self.sentence,
-            drift: self.touch.drift,
+            hands: self.touch.hands,
         };
         if self.start != Start::Behind {
             self.tokens.push(token);
@@ -316,12 +317,12 @@ impl<'m> Decoder<'m> {
             self.commit();
         }
         let character = self.keyboard.keys()[key].character;
-        let drift = self
+        let hands = self
             .tokens
             .first()
-            .map_or(self.touch.drift, |token| token.drift);
+            .map_or(self.touch.hands, |token| token.hands);
         self.touches.refresh(&self.keyboard, &self.touch);
-        self.touches.tap(tap.position, key, &drift);
+        self.touches.tap(tap.position, key, &hands);
         let typed = (key, character);
         self.literal.push(
             typed,
@@ -329,7 +330,7 @@ impl<'m> Decoder<'m> {
             &self.model,
             &self.costs,
             &self.touches,
-            &drift,
+            &hands,
         );
         self.step(typed);
         self.touches.settle(key);

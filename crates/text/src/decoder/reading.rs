@@ -99,7 +99,7 @@ impl Decoder<'_> {
         let (Some(meant_key), Some((typed_key, _))) = keys else {
             return false;
         };
-        let likelihood = |key: usize| self.touches.of_key(key, &best.drift);
+        let likelihood = |key: usize| self.touches.of_key(key, &best.hands);
         likelihood(meant_key) > likelihood(typed_key)
     }
 

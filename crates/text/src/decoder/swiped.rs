@@ -43,7 +43,7 @@ impl<'m> Decoder<'m> {
                 return None;
             }
             let mean = self.touch.spreads(&self.keyboard).nth(index)?.mean;
-            let drift = self.touch.drift[usize::from(keys[index].hand.min(1))];
+            let drift = self.touch.hands.drift[usize::from(keys[index].hand.min(1))];
             Some([mean[0] + drift[0], mean[1] + drift[1]])
         };
         let context = (&self.model, self.options.language, self.row);
@@ -102,6 +102,7 @@ mod tests {
     use super::*;
     use crate::build::Builder;
     use crate::keyboard::{ELSEWHERE, Key, Keyboard};
+    use crate::touch::Hands;
     use crate::{Model, Options, Prior, TouchModel};
 
     #[test]
@@ -156,7 +157,10 @@ mod tests {
         });
         for (drift, word) in [(0.0, "vsy"), (19.0, "cat")] {
             let touch = TouchModel {
-                drift: [[drift, 0.0]; 2],
+                hands: Hands {
+                    drift: [[drift, 0.0]; 2],
+                    ..Hands::default()
+                },
                 ..TouchModel::new(Prior::default())
             };
             let options = Options {

@@ -1,8 +1,8 @@
 //! Hypotheses: what the taps until now may mean.
 
-use crate::keyboard::Millimetres;
 use crate::model::bigrams::Row;
 use crate::model::lexicon::Case;
+use crate::touch::Hands;
 
 /// The place of a hypothesis in the language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,8 +32,8 @@ pub struct Token {
     pub end: u32,
     /// The taps since its last sentence ended.
     pub sentence: u16,
-    /// The drift of both hands that fits it.
-    pub drift: [Millimetres; 2],
+    /// The displacement of the hands that fits it.
+    pub hands: Hands,
 }
 
 impl Token {

@@ -4,7 +4,7 @@ use super::marks::is_punctuation;
 use super::precision::Precision;
 use crate::keyboard::{Keyboard, Millimetres};
 use crate::model::alphabet::{Alphabet, Symbol, plain};
-use crate::touch::{Spread, TouchModel};
+use crate::touch::{Correlations, Hands, Spread, TouchModel};
 
 /// A key as the decoder needs it for one tap.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +67,7 @@ pub struct Touches {
     carried: Carried,
     first_variance: f32,
     step: f32,
+    correlations: Correlations,
     tap: Millimetres,
     near: Vec<Near>,
     likeliest: f32,
@@ -128,6 +129,7 @@ impl Touches {
             area: keyboard.area(),
             first_variance: touch.prior.first_drift.powi(2),
             step: touch.prior.drift.powi(2),
+            correlations: touch.correlations(),
             tap: [0.0; 2],
             likeliest: 0.0,
         };
@@ -137,6 +139,7 @@ impl Touches {
 
     /// Computes the keys from the learned touch model.
     pub fn learn(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
+        self.correlations = touch.correlations();
         self.keys.clear();
         let spreads = touch.spreads_of(keyboard, self.carried.precision.take());
         for (spread, key) in spreads.zip(keyboard.keys()) {
@@ -187,16 +190,17 @@ impl Touches {
     }
 
     /// Starts a tap under a hypothesis of the drift.
-    pub fn tap(&mut self, tap: Millimetres, nearest: usize, drift: &[Millimetres; 2]) {
+    pub fn tap(&mut self, tap: Millimetres, nearest: usize, hands: &Hands) {
         self.tap = tap;
         for variance in &mut self.carried.variance {
             *variance += self.step;
         }
         for key in &mut self.keys {
-            let [xx, yy, xy] = key.spread.covariance;
+            let fresh = 1.0 - self.correlations.with(hands, key.hand).powi(2);
+            let [xx, yy, xy] = key.spread.covariance.map(|value| value * fresh);
             let variance = self.carried.variance[key.hand];
-            for axis in 0..2 {
-                let spread = variance + key.spread.covariance[axis];
+            for (axis, own) in [xx, yy].into_iter().enumerate() {
+                let spread = variance + own;
                 key.gain[axis] = if !key.has_place || key.wide && axis == 0 {
                     0.0
                 } else {
@@ -209,12 +213,12 @@ impl Touches {
             key.inverse = [yy / determinant, xx / determinant, -xy / determinant];
             key.peak = -(std::f32::consts::TAU.ln() + 0.5 * determinant.ln());
         }
-        let likelihoods = (0..self.keys.len()).map(|key| (key, self.of_key(key, drift)));
+        let likelihoods = (0..self.keys.len()).map(|key| (key, self.of_key(key, hands)));
         let likeliest = likelihoods.max_by(|(_, a), (_, b)| a.total_cmp(b));
         let (likeliest, largest) = likeliest.unwrap_or((nearest, f32::NEG_INFINITY));
         self.likeliest = largest;
         for symbol in 0..self.bounds.len() {
-            let letter = self.of_letter(symbol as Symbol, drift);
+            let letter = self.of_letter(symbol as Symbol, hands);
             self.bounds[symbol] =
                 letter.map_or(f32::NEG_INFINITY, |(likelihood, _)| likelihood + SLACK);
         }
@@ -223,11 +227,11 @@ impl Touches {
             .filter(|&key| {
                 matches!(self.characters[key], ' ' | '\'') || is_punctuation(self.characters[key])
             })
-            .map(|key| self.of_key(key, drift))
+            .map(|key| self.of_key(key, hands))
             .fold(f32::NEG_INFINITY, f32::max);
         let meant = self.keys[likeliest];
         if meant.has_place && !meant.wide {
-            let shift = drift[meant.hand];
+            let shift = hands.expected(meant.hand, self.correlations.with(hands, meant.hand));
             self.carried.precision.add(std::array::from_fn(|axis| {
                 tap[axis] - meant.spread.mean[axis] - shift[axis]
             }));
@@ -235,7 +239,7 @@ impl Touches {
         self.carried.last = Some((tap, self.keys[nearest].size));
         self.near.clear();
         for key in 0..self.keys.len() {
-            if key == nearest || self.of_key(key, drift) > self.likeliest - NEAR {
+            if key == nearest || self.of_key(key, hands) > self.likeliest - NEAR {
                 self.near.push(Near {
                     character: self.characters[key],
                     symbol: self.symbols[key],
@@ -303,15 +307,15 @@ impl Touches {
     }
 
     /// Returns the log-likelihood of the tap if it means a key.
-    pub fn of_key(&self, key: usize, drift: &[Millimetres; 2]) -> f32 {
-        self.at(self.tap, key, drift)
+    pub fn of_key(&self, key: usize, hands: &Hands) -> f32 {
+        self.at(self.tap, key, hands)
     }
 
-    fn at(&self, tap: Millimetres, key: usize, drift: &[Millimetres; 2]) -> f32 {
+    fn at(&self, tap: Millimetres, key: usize, hands: &Hands) -> f32 {
         let Some(key) = self.keys.get(key) else {
             return f32::NEG_INFINITY;
         };
-        let shift = drift[key.hand];
+        let shift = hands.expected(key.hand, self.correlations.with(hands, key.hand));
         let x = tap[0] - key.spread.mean[0] - shift[0];
         let y = tap[1] - key.spread.mean[1] - shift[1];
         let [xx, yy, xy] = key.inverse;
@@ -322,8 +326,8 @@ impl Touches {
     }
 
     /// Returns the log-likelihood of a tap if it means a letter, and the key; `None` if the keyboard has no key for it.
-    pub fn of_letter(&self, symbol: Symbol, drift: &[Millimetres; 2]) -> Option<(f32, usize)> {
-        self.letter_at(self.tap, symbol, drift)
+    pub fn of_letter(&self, symbol: Symbol, hands: &Hands) -> Option<(f32, usize)> {
+        self.letter_at(self.tap, symbol, hands)
     }
 
     /// Returns the result of [`of_letter`](Self::of_letter) for another tap.
@@ -331,15 +335,15 @@ impl Touches {
         &self,
         tap: Millimetres,
         symbol: Symbol,
-        drift: &[Millimetres; 2],
+        hands: &Hands,
     ) -> Option<(f32, usize)> {
         let keys = self.letters.get(usize::from(symbol))?;
         let own = keys
             .own
-            .map(|key| (self.at(tap, key.into(), drift), usize::from(key)));
+            .map(|key| (self.at(tap, key.into(), hands), usize::from(key)));
         let plain = keys.plain.map(|key| {
             let cost = if own.is_some() { self.plain_cost } else { 0.0 };
-            (self.at(tap, key.into(), drift) + cost, usize::from(key))
+            (self.at(tap, key.into(), hands) + cost, usize::from(key))
         });
         match (own, plain) {
             (Some(own), Some(plain)) => Some(if plain.0 > own.0 { plain } else { own }),
@@ -352,19 +356,34 @@ impl Touches {
         self.space
     }
 
-    /// Returns the drift of the hands after the tap meant a key.
-    pub fn drifted(&self, key: usize, drift: &[Millimetres; 2]) -> [Millimetres; 2] {
-        let mut drift = *drift;
+    /// Returns the displacement of the hands after the tap meant a key.
+    pub fn moved(&self, key: usize, hands: &Hands) -> Hands {
         let Some(key) = self.keys.get(key) else {
-            return drift;
+            return *hands;
         };
-        for (axis, shift) in drift[key.hand].iter_mut().enumerate() {
-            let residual = self.tap[axis] - key.spread.mean[axis] - *shift;
+        let correlation = self.correlations.with(hands, key.hand);
+        let mut moved = Hands {
+            last: key.hand as u8,
+            ..*hands
+        };
+        for axis in 0..2 {
+            let drift = &mut moved.drift[key.hand][axis];
+            let lasting = correlation * hands.scatter[axis];
+            let scatter = self.tap[axis] - key.spread.mean[axis] - *drift;
+            let surprise = scatter - lasting;
             // A slip to another key is not drift.
-            if residual.abs() < key.reach[axis] {
-                *shift += key.gain[axis] * residual;
-            }
+            let followed = if surprise.abs() < key.reach[axis] {
+                key.gain[axis] * surprise
+            } else {
+                0.0
+            };
+            *drift += followed;
+            moved.scatter[axis] = if !key.has_place || key.wide && axis == 0 {
+                lasting
+            } else {
+                (scatter - followed).clamp(-key.reach[axis], key.reach[axis])
+            };
         }
-        drift
+        moved
     }
 }

@@ -26,8 +26,8 @@ use crate::{Corrector, Decoder, Mode, Model, Options, languages};
 
 pub use self::keys::shows_other_keymap;
 pub use self::learned::{
-    Learned, LearnedErrors, LearnedKey, LearnedSummary, LearnedTaps, learned, learned_field_tables,
-    learned_summary,
+    Learned, LearnedErrors, LearnedKey, LearnedPairs, LearnedSummary, LearnedTaps, learned,
+    learned_field_tables, learned_summary,
 };
 
 /// The languages that come with the crate.

@@ -1,5 +1,7 @@
 //! Knowledge of a text decoder about a person, as a file keeps it.
 
+mod values;
+
 use std::fmt::Write;
 
 use ademan_core::document::{
@@ -11,8 +13,10 @@ use serde::{Deserialize, Serialize};
 
 use super::text_filter::TextFilter;
 use crate::correction::Restored;
-use crate::touch::{ErrorSums, KeySums, Sums, TouchModel};
+use crate::touch::{ErrorSums, KeySums, TouchModel};
 use crate::{Corrector, Prior};
+
+pub use values::{LearnedErrors, LearnedKey, LearnedPairs, LearnedTaps};
 
 /// The most that learned taps count for, so that a sensor that sits elsewhere today is learned within a few sentences.
 const MAX_TAPS: f32 = 200.0;
@@ -37,56 +41,10 @@ schema! {
         pub keys: Vec<LearnedKey>,
         /// The errors of the person.
         pub errors: LearnedErrors,
-    }
-}
-
-schema! {
-    /// Distribution of taps around the centers of keys, older taps counted less.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-    #[serde(default, deny_unknown_fields)]
-    pub struct LearnedTaps {
-        /// The number of taps, 0 to 10000.
-        pub taps: f32,
-        /// The mean distance from the center of the key, to the right and down, in millimetres, each -100 to 100.
-        pub offset_mm: (f32, f32),
-        /// The standard deviation in both directions, in millimetres, each 0 to 100.
-        pub scatter_mm: (f32, f32),
-        /// The correlation of both directions, -1 to 1.
-        pub correlation: f32,
-    }
-}
-
-schema! {
-    /// Distribution of the taps on a key.
-    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-    #[serde(deny_unknown_fields)]
-    pub struct LearnedKey {
-        /// The character of the key, exactly one.
-        pub key: String,
-        /// The number of taps, 0 to 10000.
-        pub taps: f32,
-        /// The mean distance from the center of the key, to the right and down, in millimetres, each -100 to 100.
-        pub offset_mm: (f32, f32),
-        /// The standard deviation in both directions, in millimetres, each 0 to 100.
-        pub scatter_mm: (f32, f32),
-        /// The correlation of both directions, -1 to 1.
-        pub correlation: f32,
-    }
-}
-
-schema! {
-    /// The errors in a number of taps, older ones counted less.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-    #[serde(default, deny_unknown_fields)]
-    pub struct LearnedErrors {
-        /// The number of taps, 0 to 10000.
-        pub taps: f32,
-        /// Taps that meant nothing, 0 to 10000.
-        pub spurious: f32,
-        /// Characters that were meant and not tapped, 0 to 10000.
-        pub missed: f32,
-        /// Pairs of taps in the wrong order, 0 to 10000.
-        pub swapped: f32,
+        /// Successive taps of different hands.
+        pub other_hand: LearnedPairs,
+        /// Successive taps of one hand.
+        pub same_hand: LearnedPairs,
     }
 }
 
@@ -100,6 +58,8 @@ const FORMAT: Format = Format {
             Structure::of::<LearnedTaps>("person"),
             Structure::of::<LearnedKey>("keys"),
             Structure::of::<LearnedErrors>("errors"),
+            Structure::of::<LearnedPairs>("other_hand"),
+            Structure::of::<LearnedPairs>("same_hand"),
         ]
     },
 };
@@ -111,118 +71,6 @@ pub struct LearnedSummary {
     pub taps: LearnedTaps,
     /// The number of the person's words.
     pub words: usize,
-}
-
-impl LearnedTaps {
-    fn new(sums: &Sums) -> Self {
-        if sums.taps <= 0.0 {
-            return Self::default();
-        }
-        let [x, y] = sums.residuals.map(|sum| sum / sums.taps);
-        let [xx, yy, xy] = sums.squares.map(|sum| sum / sums.taps);
-        let deviation = |square: f32, mean: f32| (square - mean * mean).max(0.0).sqrt();
-        let scatter = [deviation(xx, x), deviation(yy, y)];
-        let both = scatter[0] * scatter[1];
-        let correlation = if both > 0.0 { (xy - x * y) / both } else { 0.0 };
-        Self {
-            taps: sums.taps,
-            offset_mm: (x, y),
-            scatter_mm: scatter.into(),
-            correlation: correlation.clamp(-1.0, 1.0),
-        }
-    }
-
-    /// Returns the sums of the taps, each counted as a fraction of one.
-    fn sums(&self, fraction: f32) -> Sums {
-        let taps = self.taps * fraction;
-        let ((x, y), (sx, sy)) = (self.offset_mm, self.scatter_mm);
-        let squares = [
-            sx * sx + x * x,
-            sy * sy + y * y,
-            self.correlation * sx * sy + x * y,
-        ];
-        Sums {
-            taps,
-            residuals: [x * taps, y * taps],
-            squares: squares.map(|square| square * taps),
-        }
-    }
-
-    fn check(&self) -> Result<(), &'static str> {
-        let within = |values: &[f32], low: f32, high: f32| {
-            values.iter().all(|value| (low..=high).contains(value))
-        };
-        if !within(&[self.taps], 0.0, 1e4) {
-            return Err("`taps` is 0 to 10000");
-        }
-        if !within(&<[f32; 2]>::from(self.offset_mm), -100.0, 100.0) {
-            return Err("`offset_mm` is -100 to 100 mm in both directions");
-        }
-        if !within(&<[f32; 2]>::from(self.scatter_mm), 0.0, 100.0) {
-            return Err("`scatter_mm` is 0 to 100 mm in both directions");
-        }
-        if !within(&[self.correlation], -1.0, 1.0) {
-            return Err("`correlation` is -1 to 1");
-        }
-        Ok(())
-    }
-
-    /// Writes the fields, with as many digits as taps are precise.
-    fn write(&self, text: &mut String) {
-        let Self {
-            taps,
-            offset_mm: (x, y),
-            scatter_mm: (sx, sy),
-            correlation,
-        } = self;
-        // A negative zero has no meaning here.
-        let [x, y, correlation] = [x, y, correlation].map(|value| {
-            let rounded = (value * 1e3).round() / 1e3;
-            rounded + 0.0
-        });
-        let _ = write!(
-            text,
-            "taps: {taps:.1}, offset_mm: ({x:.3}, {y:.3}), scatter_mm: ({sx:.3}, {sy:.3}), correlation: {correlation:.3}"
-        );
-    }
-}
-
-impl LearnedKey {
-    fn new(key: &KeySums) -> Self {
-        let LearnedTaps {
-            taps,
-            offset_mm,
-            scatter_mm,
-            correlation,
-        } = LearnedTaps::new(&key.sums);
-        Self {
-            key: key.character.into(),
-            taps,
-            offset_mm,
-            scatter_mm,
-            correlation,
-        }
-    }
-
-    fn numbers(&self) -> LearnedTaps {
-        LearnedTaps {
-            taps: self.taps,
-            offset_mm: self.offset_mm,
-            scatter_mm: self.scatter_mm,
-            correlation: self.correlation,
-        }
-    }
-}
-
-impl LearnedErrors {
-    fn check(&self) -> Result<(), &'static str> {
-        let within = |value: f32| (0.0..=1e4).contains(&value);
-        let all = [self.taps, self.spurious, self.missed, self.swapped];
-        if all.into_iter().all(within) {
-            return Ok(());
-        }
-        Err("`taps`, `spurious`, `missed` and `swapped` of `errors` are 0 to 10000")
-    }
 }
 
 impl Learned {
@@ -255,6 +103,8 @@ impl Learned {
             .person
             .check()
             .and_then(|()| learned.errors.check())
+            .and_then(|()| learned.other_hand.check())
+            .and_then(|()| learned.same_hand.check())
             .map_err(|message| error(message.to_owned()))?;
         for key in &learned.keys {
             let name = escape(&key.key);
@@ -305,10 +155,13 @@ impl Learned {
             missed,
             swapped,
         } = self.errors;
-        let _ = write!(
+        let _ = writeln!(
             text,
-            "    errors: (taps: {taps:.1}, spurious: {spurious:.2}, missed: {missed:.2}, swapped: {swapped:.2}),\n)\n"
+            "    errors: (taps: {taps:.1}, spurious: {spurious:.2}, missed: {missed:.2}, swapped: {swapped:.2}),"
         );
+        self.other_hand.write("other_hand", &mut text);
+        self.same_hand.write("same_hand", &mut text);
+        text.push_str(")\n");
         text
     }
 
@@ -338,6 +191,8 @@ impl Learned {
                 missed,
                 swapped,
             },
+            other_hand: LearnedPairs::new(&touch.other_hand),
+            same_hand: LearnedPairs::new(&touch.same_hand),
         }
     }
 
@@ -352,6 +207,9 @@ impl Learned {
         };
         let fraction = fraction_of(self.person.taps);
         let errors = fraction_of(self.errors.taps);
+        let (sx, sy) = self.person.scatter_mm;
+        let pairs_of =
+            |learned: &LearnedPairs| learned.sums(fraction_of(learned.pairs), sx * sx + sy * sy);
         let key_sums = self.keys.iter().filter_map(|key| {
             Some(KeySums {
                 character: key.key.chars().next()?,
@@ -367,6 +225,8 @@ impl Learned {
                 missed: self.errors.missed * errors,
                 swapped: self.errors.swapped * errors,
             },
+            other_hand: pairs_of(&self.other_hand),
+            same_hand: pairs_of(&self.same_hand),
             ..TouchModel::new(Prior::default())
         }
     }
@@ -396,6 +256,7 @@ pub fn learned_summary(filter: &dyn PressFilter) -> Option<LearnedSummary> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::touch::Sums;
 
     fn person() -> Learned {
         let mut touch = TouchModel::new(Prior::default());
@@ -407,6 +268,9 @@ mod tests {
         for _ in 0..300 {
             let noise = (random.f32() - 0.5) * 6.0;
             touch.learn('a', [3.0 + noise, -2.0 + noise / 2.0]);
+        }
+        for _ in 0..400 {
+            touch.learn_pair(true, [3.0, 0.0], [1.0, 0.0]);
         }
         let words = Restored::from(vec!["Nuria".to_owned(), "h2\"o".to_owned()]);
         Learned::new(&touch, &words)
@@ -426,6 +290,8 @@ mod tests {
         assert_eq!(read.words, ["Nuria", "h2\"o"]);
         assert!((read.keys[0].offset_mm.1 - learned.keys[0].offset_mm.1).abs() < 1e-3);
         assert_eq!(read.to_ron(), learned.to_ron());
+        assert!((read.same_hand.correlation - 0.6).abs() < 1e-3);
+        assert_eq!(read.other_hand, LearnedPairs::default());
         assert_eq!(parsed("Learned()").expect("nothing"), Learned::default());
         assert_eq!(
             parsed(&Learned::default().to_ron()).expect("nothing"),
@@ -440,6 +306,8 @@ mod tests {
         assert!((touch.person.taps - MAX_TAPS).abs() < 0.1);
         assert!((touch.person.residuals[0] / MAX_TAPS - learned.person.offset_mm.0).abs() < 1e-3);
         assert!((touch.keys[0].sums.taps - MAX_TAPS).abs() < 0.1);
+        assert!((touch.same_hand.pairs - MAX_TAPS).abs() < 0.1);
+        assert!((touch.same_hand.correlation() - 0.6).abs() < 1e-3);
         learned.person.taps = 50.0;
         assert!((learned.touch().person.taps - 50.0).abs() < 1e-3);
     }
@@ -460,6 +328,10 @@ mod tests {
                 "`scatter_mm` is 0 to 100 mm",
             ),
             ("Learned(errors: (missed: inf))", "are 0 to 10000"),
+            (
+                "Learned(same_hand: (correlation: 2))",
+                "`correlation` -1 to 1",
+            ),
             (
                 "Learned(keys: [(key: \"ab\", taps: 1, offset_mm: (0, 0), scatter_mm: (1, 1), correlation: 0)])",
                 "the key `ab` is not one character",

@@ -1,14 +1,20 @@
 //! The touch model of a person: where taps land that mean a key.
 //!
 //! A tap that means key `k` is normally distributed around `center + offset of the person + offset of k + drift of the hand` with the
-//! covariance of `k`. Offsets and covariances are learned from committed words. Each is a mean of what was seen, in which an old
+//! covariance of `k`, and correlated with the tap before: its mean is displaced by a fraction of that tap's scatter. Offsets and covariances are learned from committed words. Each is a mean of what was seen, in which an old
 //! tap counts less and less, and of what is believed before: a key starts from the person, the person from the prior
 //! (a normal-inverse-Wishart prior with forgetting). The drift of a hand is a random walk, tracked with a Kalman filter that the decoder
 //! keeps for each hypothesis; what it ends with is kept here.
 
+mod errors;
+mod hands;
+
 use serde::{Deserialize, Serialize};
 
 use crate::keyboard::{Keyboard, Millimetres};
+
+pub use errors::{ErrorCounts, ErrorSums};
+pub use hands::{Correlations, Hands, PairSums};
 
 /// A symmetric 2 × 2 matrix: xx, yy, xy.
 pub type Covariance = [f32; 3];
@@ -36,6 +42,12 @@ pub struct Prior {
     pub first_drift: f32,
     /// The standard deviation of the drift of a hand with each tap in mm.
     pub drift: f32,
+    /// The correlation of the scatter of a tap with that of the tap before, of the other hand.
+    pub other_hand: f32,
+    /// The correlation of the scatter of a tap with that of the tap before, of the same hand.
+    pub same_hand: f32,
+    /// The weight of both correlations, in pairs of taps.
+    pub pairs: f32,
 }
 
 impl Default for Prior {
@@ -50,6 +62,9 @@ impl Default for Prior {
             memory: 0.998,
             first_drift: 4.0,
             drift: 0.25,
+            other_hand: 0.1,
+            same_hand: 0.2,
+            pairs: 50.0,
         }
     }
 }
@@ -88,6 +103,9 @@ impl Prior {
         self.memory = or(self.memory, 0.5, 1.0, default.memory);
         self.first_drift = or(self.first_drift, 0.0, 1e3, default.first_drift);
         self.drift = or(self.drift, 0.0, 1e3, default.drift);
+        self.other_hand = or(self.other_hand, 0.0, 1.0, default.other_hand);
+        self.same_hand = or(self.same_hand, 0.0, 1.0, default.same_hand);
+        self.pairs = or(self.pairs, 1.0, 1e6, default.pairs);
         self
     }
 }
@@ -181,69 +199,14 @@ pub struct TouchModel {
     pub person: Sums,
     /// The residuals by key.
     pub keys: Vec<KeySums>,
-    /// The last known drift of each hand.
-    pub drift: [Millimetres; 2],
+    /// The last known displacement of the hands.
+    pub hands: Hands,
+    /// Successive taps of different hands.
+    pub other_hand: PairSums,
+    /// Successive taps of one hand.
+    pub same_hand: PairSums,
     /// The rates of taps that are missed or mean nothing.
     pub errors: ErrorSums,
-}
-
-/// The number of taps that the prior of the errors is worth.
-const ERROR_TAPS: f32 = 150.0;
-
-/// Counts of taps that were missed and of taps that mean nothing, older ones counted less.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct ErrorSums {
-    /// The taps.
-    pub taps: f32,
-    /// Taps that mean nothing.
-    pub spurious: f32,
-    /// Characters that were meant and not tapped.
-    pub missed: f32,
-    /// Pairs of taps in the wrong order.
-    pub swapped: f32,
-}
-
-/// The errors of a text that was committed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ErrorCounts {
-    /// The taps.
-    pub taps: usize,
-    /// Taps that mean nothing.
-    pub spurious: usize,
-    /// Characters that were meant and not tapped.
-    pub missed: usize,
-    /// Pairs of taps in the wrong order.
-    pub swapped: usize,
-}
-
-impl ErrorSums {
-    /// Returns by how much the log-probability of a spurious tap changes with what was learned.
-    pub fn spurious_change(&self, prior: f32) -> f32 {
-        self.change(self.spurious, prior)
-    }
-
-    /// Returns by how much the log-probability of a missed tap changes with what was learned.
-    pub fn missed_change(&self, prior: f32) -> f32 {
-        self.change(self.missed, prior)
-    }
-
-    /// Returns by how much the log-probability of two taps in the wrong order changes with what was learned.
-    pub fn swapped_change(&self, prior: f32) -> f32 {
-        self.change(self.swapped, prior)
-    }
-
-    fn change(&self, seen: f32, prior: f32) -> f32 {
-        // An error that is never believed has no probability, and divided by it no logarithm.
-        let expected = prior.exp().max(f32::MIN_POSITIVE);
-        ((seen + expected * ERROR_TAPS) / (self.taps + ERROR_TAPS) / expected).ln()
-    }
-
-    fn is_sane(&self) -> bool {
-        [self.taps, self.spurious, self.missed, self.swapped]
-            .iter()
-            .all(|number| number.is_finite() && *number >= 0.0)
-    }
 }
 
 /// The distribution of the taps of a key.
@@ -284,9 +247,15 @@ impl TouchModel {
         if !self.errors.is_sane() {
             self.errors = ErrorSums::default();
         }
-        for number in self.drift.as_flattened_mut() {
+        for number in self.hands.drift.as_flattened_mut() {
             if !number.is_finite() || number.abs() > 1e3 {
                 *number = 0.0;
+            }
+        }
+        self.hands.lift();
+        for sums in [&mut self.other_hand, &mut self.same_hand] {
+            if !sums.is_sane() {
+                *sums = PairSums::default();
             }
         }
     }
@@ -323,6 +292,31 @@ impl TouchModel {
             if key.character == character {
                 key.sums.add(residual);
             }
+        }
+    }
+
+    /// Learns from the residuals of two successive taps.
+    pub fn learn_pair(&mut self, is_same_hand: bool, first: Millimetres, second: Millimetres) {
+        let sums = if is_same_hand {
+            &mut self.same_hand
+        } else {
+            &mut self.other_hand
+        };
+        sums.forget(self.prior.memory);
+        sums.add(first, second);
+    }
+
+    /// Returns the believed correlations of successive taps.
+    pub fn correlations(&self) -> Correlations {
+        let Prior {
+            other_hand,
+            same_hand,
+            pairs,
+            ..
+        } = self.prior;
+        Correlations {
+            other_hand: self.other_hand.believed(other_hand, pairs),
+            same_hand: self.same_hand.believed(same_hand, pairs),
         }
     }
 
@@ -460,7 +454,7 @@ mod tests {
     fn values_that_are_not_finite_are_repaired() {
         let mut model = learned(100);
         model.person.taps = f32::NAN;
-        model.drift = [[f32::INFINITY; 2]; 2];
+        model.hands.drift = [[f32::INFINITY; 2]; 2];
         model.prior.covariance = [-1.0, 4.0, 100.0];
         model.keys[0].sums.squares[1] = f32::NAN;
         model.sanitize();
