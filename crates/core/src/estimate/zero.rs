@@ -199,7 +199,7 @@ impl Rest {
     }
 }
 
-/// A sentence for the user: "20 joints zeroed, the largest change is +4.2° (index-pip-flexion); …".
+/// A clause for the user: "20 joints zeroed, the largest change is +4.2° (index-pip-flexion)".
 impl fmt::Display for Zeroed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let degrees = self.radians.to_degrees();
@@ -207,7 +207,7 @@ impl fmt::Display for Zeroed {
         let joints = if count == 1 { "joint" } else { "joints" };
         write!(
             f,
-            "{count} {joints} zeroed, the largest change is {degrees:+.1}° ({largest}); `ademan ctl undo-zero` undoes it"
+            "{count} {joints} zeroed, the largest change is {degrees:+.1}° ({largest})"
         )
     }
 }

@@ -4,7 +4,8 @@ use crossbeam_channel::Sender;
 
 use ademan_core::command::{CommandOrigin, InvalidCommand};
 use ademan_core::device::CursorPosition;
-use ademan_core::estimate::LearnedRange;
+use ademan_core::estimate::{LearnedRange, Zeroed};
+use ademan_core::hand::Side;
 use ademan_core::message::escape_line;
 use ademan_core::pipeline::{CommandError, PipelineState};
 use ademan_core::snapshot::Stats;
@@ -21,6 +22,14 @@ pub enum Reply {
     Text(String),
     /// The answer to [`Command::State`](ademan_core::command::Command::State).
     State(SessionStatus),
+}
+
+impl Reply {
+    /// Describes the hands that were zeroed.
+    pub(super) fn zeroed(hands: impl Iterator<Item = (Side, Zeroed)>) -> Self {
+        let hands = hands.map(|(side, zeroed)| format!("{side} hand: {zeroed}; "));
+        Self::Text(hands.collect::<String>() + "`ademan ctl undo-zero` undoes it")
+    }
 }
 
 /// Reason why a command failed.
@@ -94,5 +103,29 @@ impl LearnedRanges {
                 largest: if is_larger { range } else { earlier.1 },
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ademan_core::hand::Dof;
+
+    use super::*;
+
+    #[test]
+    fn two_zeroed_hands_have_one_hint_about_undo() {
+        let zeroed = Zeroed {
+            count: 1,
+            largest: Dof::IndexMcpFlexion,
+            radians: 0.0,
+        };
+        let reply = Reply::zeroed(
+            [Side::Left, Side::Right]
+                .map(|side| (side, zeroed))
+                .into_iter(),
+        );
+        let hand = "hand: 1 joint zeroed, the largest change is +0.0° (index-mcp-flexion);";
+        let text = format!("left {hand} right {hand} `ademan ctl undo-zero` undoes it");
+        assert_eq!(reply, Reply::Text(text));
     }
 }

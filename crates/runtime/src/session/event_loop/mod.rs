@@ -336,14 +336,11 @@ impl SessionLoop<'_> {
     }
 
     fn reply(&self, command: &Command) -> Reply {
-        if *command != Command::Zero {
-            return Reply::Done;
+        if *command == Command::Zero {
+            Reply::zeroed(self.pipeline.zeroed())
+        } else {
+            Reply::Done
         }
-        let hands = self.pipeline.zeroed();
-        let texts: Vec<_> = hands
-            .map(|(side, zeroed)| format!("{side} hand: {zeroed}"))
-            .collect();
-        Reply::Text(texts.join("; "))
     }
 
     /// Repeats a command of a recording. One that lets sources press keys is repeated only if no output has an effect.
