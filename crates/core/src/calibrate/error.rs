@@ -103,7 +103,8 @@ pub fn other_glove_advice(problems: &[Problem]) -> Option<&'static str> {
 }
 
 fn reasons(problems: &[Problem]) -> String {
-    let mut reasons = problem_messages(problems);
+    let messages = problem_messages(problems).into_iter();
+    let mut reasons: Vec<String> = messages.map(|(_, message)| message).collect();
     reasons.extend(other_glove_advice(problems).map(str::to_owned));
     reasons.join("; ")
 }

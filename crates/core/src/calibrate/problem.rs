@@ -156,9 +156,9 @@ impl Problem {
     }
 }
 
-/// Returns the messages of problems. Channels of one finger with the same fault share a message: a glove that sends one value for a
-/// finger has it in the channel of each joint.
-pub fn problem_messages(problems: &[Problem]) -> Vec<String> {
+/// Returns the messages of problems, each with its first problem. Channels of one finger with the same fault share a message: a glove
+/// that sends one value for a finger has it in the channel of each joint.
+pub fn problem_messages(problems: &[Problem]) -> Vec<(&Problem, String)> {
     let mut groups: Vec<Vec<&Problem>> = Vec::new();
     for problem in problems {
         let mut like = groups.iter_mut();
@@ -167,16 +167,20 @@ pub fn problem_messages(problems: &[Problem]) -> Vec<String> {
             None => groups.push(vec![problem]),
         }
     }
-    let message = |group: &Vec<&Problem>| {
-        let others = group[1..].iter().filter_map(|other| other.channel());
-        let others: Vec<String> = others.map(|channel| channel.to_string()).collect();
-        match others.len() {
-            0 => group[0].to_string(),
-            1 => format!("{} (also channel {})", group[0], others[0]),
-            _ => format!("{} (also channels {})", group[0], others.join(", ")),
-        }
-    };
-    groups.iter().map(message).collect()
+    let groups = groups.iter();
+    let with_messages = groups.map(|group| (group[0], group_message(group)));
+    with_messages.collect()
+}
+
+/// Returns the message of problems with the same fault. There is at least one.
+fn group_message(group: &[&Problem]) -> String {
+    let others = group[1..].iter().filter_map(|other| other.channel());
+    let others: Vec<String> = others.map(|channel| channel.to_string()).collect();
+    match others.len() {
+        0 => group[0].to_string(),
+        1 => format!("{} (also channel {})", group[0], others[0]),
+        _ => format!("{} (also channels {})", group[0], others.join(", ")),
+    }
 }
 
 /// Returns `true` if the messages of two channels of one finger differ only in channel and joint.
@@ -281,11 +285,14 @@ mod tests {
             dead(4, Dof::WristFlexion, 85.0),
         ];
         let expected = [
-            format!("{} (also channels 24, 25)", problems[0]),
-            inverted.to_string(),
-            problems[4].to_string(),
-            problems[5].to_string(),
-            problems[6].to_string(),
+            (
+                &problems[0],
+                format!("{} (also channels 24, 25)", problems[0]),
+            ),
+            (&inverted, inverted.to_string()),
+            (&problems[4], problems[4].to_string()),
+            (&problems[5], problems[5].to_string()),
+            (&problems[6], problems[6].to_string()),
         ];
         assert_eq!(problem_messages(&problems), expected);
     }

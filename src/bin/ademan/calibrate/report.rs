@@ -13,7 +13,7 @@ pub fn report(
     start: &ChannelMap,
 ) -> String {
     let mut text = format!("score {} of 100\n", result.score);
-    for message in problem_messages(&result.problems) {
+    for (_, message) in problem_messages(&result.problems) {
         let _ = writeln!(text, "- {message}");
     }
     let is_dead = |problem: &Problem| matches!(problem, Problem::DeadChannel { .. });

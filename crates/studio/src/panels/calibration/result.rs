@@ -7,7 +7,9 @@ use crate::guide::{Guide, GuideResult, JointChange};
 use crate::joint_names::{finger_name, joint_name};
 use crate::panels::PanelContext;
 use crate::texts::{text, text_with};
-use ademan_core::calibrate::{CalibrationError, Problem, Severity, other_glove_advice};
+use ademan_core::calibrate::{
+    CalibrationError, Problem, Severity, other_glove_advice, problem_messages,
+};
 use ademan_core::hand::Dof;
 use ademan_core::message::escape_path;
 
@@ -46,8 +48,8 @@ fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
     if result.fit.problems.is_empty() && is_sound {
         ui.label(format!("√ {}", text("calibration-no-problem")));
     }
-    for problem in &result.fit.problems {
-        ui.label(format!("{} {}", sign(problem), words(problem)));
+    for (problem, message) in problem_messages(&result.fit.problems) {
+        ui.label(format!("{} {}", sign(problem), words(&message)));
     }
     ui.add_space(10.0);
     let grid = egui::Grid::new("changes").num_columns(3).striped(true);
@@ -98,7 +100,9 @@ fn show_moved(ui: &mut egui::Ui, result: &GuideResult) {
 fn reasons(error: &CalibrationError) -> Vec<String> {
     match error {
         CalibrationError::Unusable { problems } => {
-            let mut lines: Vec<String> = problems.iter().map(words).collect();
+            let messages = problem_messages(problems);
+            let mut lines: Vec<String> =
+                messages.iter().map(|(_, message)| words(message)).collect();
             lines.extend(other_glove_advice(problems).map(str::to_owned));
             lines
         }
@@ -107,8 +111,8 @@ fn reasons(error: &CalibrationError) -> Vec<String> {
 }
 
 /// Returns the message of a problem with the names of joints for a person.
-fn words(problem: &Problem) -> String {
-    Dof::ALL.iter().fold(problem.to_string(), |words, dof| {
+fn words(message: &str) -> String {
+    Dof::ALL.iter().fold(message.to_owned(), |words, dof| {
         words.replace(&dof.to_string(), &joint_name(*dof))
     })
 }
@@ -154,18 +158,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_problem_has_a_line_with_the_name_of_its_joint() {
+    fn each_finger_with_dead_sensors_has_a_line_with_the_name_of_a_joint() {
         let dead = |channel, dof| Problem::DeadChannel {
             channel,
             dof,
             count: 512.0,
         };
-        let problems = vec![dead(8, Dof::RingPipFlexion), dead(9, Dof::RingDipFlexion)];
+        let problems = vec![
+            dead(8, Dof::RingPipFlexion),
+            dead(9, Dof::RingDipFlexion),
+            dead(12, Dof::LittlePipFlexion),
+        ];
         let lines = reasons(&CalibrationError::Unusable { problems });
         let reason = "stays at 512 in every pose: the sensor is dead; check its wires";
         let expected = [
-            format!("channel 8 (Ring, middle joint) {reason}"),
-            format!("channel 9 (Ring, end joint) {reason}"),
+            format!("channel 8 (Ring, middle joint) {reason} (also channel 9)"),
+            format!("channel 12 (Little, middle joint) {reason}"),
         ];
         assert_eq!(lines, expected);
     }
