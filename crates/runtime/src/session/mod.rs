@@ -25,6 +25,7 @@ mod latest;
 mod layout_link;
 mod layout_trial;
 mod notice;
+mod notice_thread;
 mod observer;
 mod options;
 pub mod panic_keys;
@@ -55,7 +56,7 @@ use self::control_socket::{ControlError, ControlServer, Notifier, ProfileInfo, S
 use self::event_loop::run_observed;
 use self::focus::FocusWatch;
 use self::haptics::SessionHaptics;
-use self::notice::NoticeThread;
+use self::notice_thread::NoticeThread;
 use self::observer::Observer;
 use self::panic_keys::{PanicKeysError, PanicKeysWatch};
 use self::reload::{FilePolicy, LayoutReport, LayoutSource};
@@ -74,7 +75,6 @@ use crate::share::{ShareError, ShareHub};
 use ademan_core::command::{Command, CommandOrigin};
 use ademan_core::layout::Layout;
 use ademan_core::message::escape;
-use ademan_core::pipeline::SourceRole;
 use ademan_core::snapshot::Stats;
 
 pub use self::command_channel::{CommandReceiver, CommandSender, command_channel};
@@ -388,24 +388,6 @@ impl Session {
     fn report_status(&self, notice: Notice) {
         if self.options.report_status {
             self.notices.sender().send(notice);
-        }
-    }
-
-    /// Reports the sources that may not press keys, if a layout has keys: the default for sources on the network surprises users.
-    fn report_pointer_only_sources(&self) {
-        if !self.setup.required_capabilities().include_typing() {
-            return;
-        }
-        let has_control_socket = self.options.control_socket.path().is_some();
-        for source in self.setup.named_sources() {
-            if let Some(uri) = source.uri.filter(|uri| uri.is_remote())
-                && source.permissions.role == SourceRole::Pointer
-            {
-                self.report_status(Notice::PointerOnly {
-                    source: uri.clone(),
-                    remedy: source.way_to_type(has_control_socket),
-                });
-            }
         }
     }
 }

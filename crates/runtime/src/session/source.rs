@@ -1,4 +1,4 @@
-//! The source of a session: opened, paced, or awaited.
+//! The sources of a session: opened, paced, or awaited, and the notice about their roles.
 
 use std::sync::Arc;
 use std::thread;
@@ -10,11 +10,30 @@ use super::Session;
 use super::notice::Notice;
 use crate::capture::{BackOff, CaptureError, PacedSource, Source, SourceUri};
 use crate::setup::SetupError;
+use ademan_core::pipeline::SourceRole;
 
 /// Longest time after which a session that waits for a server notices that it was stopped.
 const STOP_INTERVAL: Duration = Duration::from_millis(50);
 
 impl Session {
+    /// Reports the sources that may not press keys, if a layout has keys: the default for sources on the network surprises users.
+    pub(super) fn report_pointer_only_sources(&self) {
+        if !self.setup.required_capabilities().include_typing() {
+            return;
+        }
+        let has_control_socket = self.options.control_socket.path().is_some();
+        for source in self.setup.named_sources() {
+            if let Some(uri) = source.uri.filter(|uri| uri.is_remote())
+                && source.permissions.role == SourceRole::Pointer
+            {
+                self.report_status(Notice::PointerOnly {
+                    source: uri.clone(),
+                    remedy: source.way_to_type(has_control_socket),
+                });
+            }
+        }
+    }
+
     /// Opens the source. Returns `None` if the session was stopped before the device appeared.
     pub(super) fn open_source(&mut self) -> Result<Option<Box<dyn Source>>, SetupError> {
         if let Some(source) = self.options.source.take() {

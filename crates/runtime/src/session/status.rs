@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use super::notice::{ImplausibleParts, NearestTarget, Notice, NoticeSender};
+use super::notice::{ImplausibleParts, NearestTarget, Notice};
+use super::notice_thread::NoticeSender;
 use super::observer::Observer;
 use crate::message_limits::MessageLimits;
 use ademan_core::command::CommandOrigin;

@@ -2,7 +2,8 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::notice::{Notice, NoticeSender};
+use super::notice::Notice;
+use super::notice_thread::NoticeSender;
 
 /// The reasons why files of a session are incomplete. Each is sent as a notice at once, and is a line in the state of the session.
 #[derive(Clone, Default)]

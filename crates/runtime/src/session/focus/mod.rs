@@ -18,7 +18,8 @@ use std::thread;
 use std::time::Duration;
 
 use super::command_channel::CommandSender;
-use super::notice::{Notice, NoticeSender};
+use super::notice::Notice;
+use super::notice_thread::NoticeSender;
 use super::reply::RequestError;
 use crate::setup::ApplicationProfile;
 use ademan_core::command::{Command, ProfileName};

@@ -16,7 +16,8 @@ use std::time::Instant;
 
 use super::command_channel::CommandSender;
 use super::latest::LatestSender;
-use super::notice::{Notice, NoticeSender};
+use super::notice::Notice;
+use super::notice_thread::NoticeSender;
 use super::observer::Observer;
 use super::options::SessionOptions;
 use crate::setup::LoadedSetup;
