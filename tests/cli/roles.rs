@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use crate::support::binary::ademan;
 use crate::support::press::postures;
 use crate::support::process::Process;
-use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver};
+use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, start_with_lines};
 use ademan::capture::Hc11Format;
 use ademan::capture::hc11::{Framing, encode};
 use ademan::session::control_socket::Client;
@@ -163,6 +163,19 @@ fn a_source_on_the_network_types_with_a_role_that_allows_it() {
         run.lift();
         assert_eq!(run.next_event(), "up H");
     }
+}
+
+#[test]
+fn a_source_of_another_machine_that_types_without_a_credential_is_reported() {
+    // Not the loopback address, although Linux connects to this machine.
+    let source = "tcp:0.0.0.0:1";
+    let mut command = ademan(["run", "--source", source, "--role", "both"]);
+    command.args(["--control", "off", "--output", "transcript"]);
+    let (_program, _, messages) = start_with_lines(&mut command);
+    let next = || messages.recv_timeout(TIMEOUT).expect("a message");
+    let words = "presses keys and has neither password nor encryption: whoever answers there, or is on the way, can type here";
+    let message = std::iter::repeat_with(next).find(|line| line.ends_with(words));
+    assert!(message.is_some_and(|line| line.starts_with(source)));
 }
 
 /// Plays the script `tap pause` on the layout `switches` again and again, and counts how often it has ended.

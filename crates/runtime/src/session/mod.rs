@@ -252,7 +252,7 @@ impl Session {
     }
 
     fn run_loop(&mut self) -> Result<Summary, SessionError> {
-        self.report_pointer_only_sources();
+        self.report_source_roles();
         let Some(mut source) = self.open_source()? else {
             return Ok(Summary {
                 stats: Stats::default(),

@@ -40,6 +40,8 @@ pub enum Notice {
         /// The ways to let it press keys, as part of a message.
         remedy: String,
     },
+    /// A source of another machine presses keys of the layout without a credential and without encryption.
+    Unprotected(SourceUri),
     /// The session waits for a device, for this reason.
     WaitingForSource(String),
     /// The device that the session waited for is open.
@@ -129,6 +131,11 @@ impl fmt::Display for Notice {
             Self::PointerOnly { source, remedy } => write!(
                 f,
                 "{} is on the network and only a pointer: it presses no keys of the layout; {remedy}",
+                escape(&source.to_string())
+            ),
+            Self::Unprotected(source) => write!(
+                f,
+                "{} presses keys and has neither password nor encryption: whoever answers there, or is on the way, can type here",
                 escape(&source.to_string())
             ),
             Self::WaitingForSource(reason) => {

@@ -8,7 +8,8 @@ use crossbeam_channel::{RecvTimeoutError, bounded};
 
 use super::Session;
 use super::notice::Notice;
-use crate::capture::{BackOff, CaptureError, PacedSource, Source, SourceUri};
+use crate::capture::{BackOff, CaptureError, PacedSource, Source, SourceUri, StreamUri};
+use crate::network::parse_loopback;
 use crate::setup::SetupError;
 use ademan_core::pipeline::SourceRole;
 
@@ -16,20 +17,24 @@ use ademan_core::pipeline::SourceRole;
 const STOP_INTERVAL: Duration = Duration::from_millis(50);
 
 impl Session {
-    /// Reports the sources that may not press keys, if a layout has keys: the default for sources on the network surprises users.
-    pub(super) fn report_pointer_only_sources(&self) {
+    /// If a layout has keys, reports the sources that may not press them, as the default for sources on the network surprises users, and
+    /// the sources that let another machine press them without a credential.
+    pub(super) fn report_source_roles(&self) {
         if !self.setup.required_capabilities().include_typing() {
             return;
         }
         let has_control_socket = self.options.control_socket.path().is_some();
         for source in self.setup.named_sources() {
-            if let Some(uri) = source.uri.filter(|uri| uri.is_remote())
-                && source.permissions.role == SourceRole::Pointer
-            {
+            let Some(uri) = source.uri.filter(|uri| uri.is_remote()) else {
+                continue;
+            };
+            if source.permissions.role == SourceRole::Pointer {
                 self.report_status(Notice::PointerOnly {
                     source: uri.clone(),
                     remedy: source.way_to_type(has_control_socket),
                 });
+            } else if is_unprotected(uri) {
+                self.report_status(Notice::Unprotected(uri.clone()));
             }
         }
     }
@@ -117,6 +122,18 @@ impl Session {
     }
 }
 
+/// Returns `true` if readings come from another machine without a credential and without encryption.
+fn is_unprotected(uri: &SourceUri) -> bool {
+    let SourceUri::Stream(StreamUri {
+        transport, address, ..
+    }) = uri
+    else {
+        return false;
+    };
+    let is_own = parse_loopback(address).is_some() || address.starts_with("localhost:");
+    transport.scheme.name == "tcp" && !is_own
+}
+
 /// Returns the device that could not be opened, and the error. `None` for an error that a wait does not end, as of a file. Any of several
 /// sources may be the device, and each has the name of its URI; another name stands for all of them, and for `first`.
 fn absent_device(failure: &SetupError, first: &SourceUri) -> Option<(SourceUri, String)> {
@@ -131,6 +148,27 @@ fn absent_device(failure: &SetupError, first: &SourceUri) -> Option<(SourceUri, 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_plain_bytes_of_another_machine_are_unprotected() {
+        let table = [
+            ("tcp:192.168.1.7:4001", true),
+            ("tcp:[fd00::2]:4001", true),
+            ("tcp:desk:4001", true),
+            ("tcp:127.0.0.1:4001", false),
+            ("tcp:[::1]:4001", false),
+            ("tcp:localhost:4001", false),
+            ("tcp+tls:desk:8443?token_file=desk.token", false),
+            ("udp:127.0.0.1:9000?protocol=text-line", false),
+            ("ws:127.0.0.1:9001?protocol=hand-landmarks", false),
+            ("serial:/dev/ttyUSB0", false),
+            ("typist:a", false),
+        ];
+        for (text, expected) in table {
+            let uri: SourceUri = text.parse().unwrap();
+            assert_eq!(is_unprotected(&uri), expected, "{text}");
+        }
+    }
 
     #[test]
     fn only_a_device_is_awaited_whatever_the_first_source_is() {
