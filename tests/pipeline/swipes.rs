@@ -9,6 +9,7 @@ use ademan::text::{TextModeSchema, TextSetup};
 use ademan::time::Timestamp;
 
 use super::text::{Typed, play};
+use crate::support::checked::CheckedPipeline;
 
 /// Loads a shipped layout, with a text decoder in this mode.
 pub fn setup(layout: &str, mode: Option<TextModeSchema>) -> LoadedSetup {
@@ -148,6 +149,11 @@ fn a_finger_that_is_hidden_in_the_midst_of_a_swipe_ends_it() {
     }
 }
 
+fn has_candidates(pipeline: &CheckedPipeline) -> bool {
+    let state = pipeline.text_state().expect("a decoder");
+    !state.candidates.is_empty()
+}
+
 #[test]
 fn a_hand_that_is_lost_does_not_end_the_swipe_of_the_other_one() {
     let one_hand = setup("qwerty-swipe", Some(TextModeSchema::Auto));
@@ -161,14 +167,19 @@ fn a_hand_that_is_lost_does_not_end_the_swipe_of_the_other_one() {
         for (side, text) in [(Side::Left, "quick "), (Side::Right, "q")] {
             let hand = one_hand.scripted(QUICK, &Hc11Format::default(), 0.0, 0);
             let mut readings_since_press = 0;
+            let mut is_lost = false;
             let typed = play(
                 &two_hands,
                 hand.expect("a script"),
                 |presses, pipeline, events| {
                     readings_since_press += usize::from(presses > 0);
                     if readings_since_press == readings {
+                        assert!(has_candidates(pipeline), "{side} {readings}");
                         pipeline.lose(Some(side), None, events);
+                        is_lost = true;
                     }
+                    let is_shown = is_lost && has_candidates(pipeline);
+                    assert!(!is_shown, "{side} {readings}: of forgotten text");
                 },
             );
             assert_eq!(typed.text, text, "{side} after {readings} readings");

@@ -327,12 +327,12 @@ impl TextFilter {
         }
     }
 
-    /// Updates the candidates for displays.
+    /// Updates the candidates for displays. Text that will be forgotten has none.
     fn update_candidates(&mut self) {
         self.state.candidates.clear();
         self.shown.clear();
         self.shown.push_str(self.corrector.shown());
-        if self.shown.trim_end().is_empty() {
+        if self.known_until.is_some() || self.shown.trim_end().is_empty() {
             return;
         }
         for candidate in self.corrector.candidates() {
@@ -426,6 +426,7 @@ impl PressFilter for TextFilter {
             Some(stroke) => {
                 self.known_until = Some(stroke.start);
                 self.choice = None;
+                self.state.candidates.clear();
             }
             None => self.reset(),
         }
