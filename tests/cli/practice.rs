@@ -207,11 +207,8 @@ fn a_pointing_lesson_is_measured_and_kept_with_its_figures() {
     );
     let csv = run(state.path(), &["--csv", "-"]).done().out;
     let rows: Vec<&str> = csv.lines().collect();
-    assert!(
-        rows[0]
-            .ends_with(",targets,misses,movement_s,path_efficiency,throughput_bits_per_s,chords"),
-        "{csv}"
-    );
+    let columns = ",targets,misses,movement_s,path_efficiency,throughput_bits_per_s,axis_deviation_px,target_reentries,chords";
+    assert!(rows[0].ends_with(columns), "{csv}");
     assert!(rows[1].contains(",,,,,,13,0,"), "{csv}");
     let table = run(state.path(), &["--history"]).done().out;
     assert!(

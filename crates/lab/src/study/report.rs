@@ -7,7 +7,7 @@ use crate::measures::{Interval, bootstrap};
 use crate::message::quote_csv;
 
 /// The columns: factors for a mixed model first (random effects of `participant` and `task`), then the measures.
-const COLUMNS: &str = "participant,layout,kind,task,order,simulated,time,program,seconds,characters,substitutions,insertions,deletions,cer,wpm,keystrokes,backspaces,deleted,kspc,uncorrected,corrected,targets,misses,movement_s,path_efficiency,throughput_bits_per_s,goal,value,value_error";
+const COLUMNS: &str = "participant,layout,kind,task,order,simulated,time,program,seconds,characters,substitutions,insertions,deletions,cer,wpm,keystrokes,backspaces,deleted,kspc,uncorrected,corrected,targets,misses,movement_s,path_efficiency,throughput_bits_per_s,axis_deviation_px,target_reentries,goal,value,value_error";
 
 /// Returns the trials as CSV, one line for each, the columns first. Figures that a trial does not have are empty. There are no texts in
 /// it.
@@ -51,6 +51,8 @@ pub fn trials_to_csv(trials: &[Trial]) -> String {
             real(pointing.map(|it| it.movement_s)),
             real(pointing.map(|it| it.path_efficiency)),
             real(pointing.map(|it| it.throughput)),
+            real(pointing.map(|it| it.axis_deviation_px)),
+            real(pointing.map(|it| it.reentries)),
             real(trial.value.map(|[goal, _]| goal)),
             real(trial.value.map(|[_, set]| set)),
             real(trial.value_error()),
@@ -206,4 +208,26 @@ fn rate(people: &[Vec<&Trial>], parts: impl Fn(&Trial) -> Option<(f64, f64)>) ->
             part / whole
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_figure_of_pointing_has_a_column() {
+        let trial = r#"{"participant":"P01","order":0,"layout":"board","kind":"targets","task":0,"time":"","is_simulated":false,"program_version":"","seconds":1.0,"pointing":{"targets":9,"misses":2,"movement_s":0.75,"path_efficiency":0.9,"axis_deviation_px":6.5,"reentries":0.25,"throughput":4.25}}"#;
+        let trial: Trial = serde_json::from_str(trial).expect("a trial");
+        let csv = trials_to_csv(&[trial]);
+        let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+        assert_eq!(rows[0].len(), rows[1].len());
+        let first = rows[0].iter().position(|column| *column == "targets");
+        let first = first.expect("a column");
+        let names = "targets,misses,movement_s,path_efficiency,throughput_bits_per_s,axis_deviation_px,target_reentries";
+        assert_eq!(rows[0][first..first + 7].join(","), names);
+        assert_eq!(
+            rows[1][first..first + 7].join(","),
+            "9,2,0.75,0.9,4.25,6.5,0.25"
+        );
+    }
 }

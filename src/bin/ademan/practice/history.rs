@@ -49,13 +49,13 @@ pub struct SessionResult {
 }
 
 /// The columns of the exported file.
-const COLUMNS: &str = "time,lesson,layout,simulated,characters,seconds,words_per_minute,error_rate,substitutions,insertions,deletions,targets,misses,movement_s,path_efficiency,throughput_bits_per_s,chords";
+const COLUMNS: &str = "time,lesson,layout,simulated,characters,seconds,words_per_minute,error_rate,substitutions,insertions,deletions,targets,misses,movement_s,path_efficiency,throughput_bits_per_s,axis_deviation_px,target_reentries,chords";
 
 impl SessionResult {
     fn csv(&self) -> String {
         let figures = match &self.pointing {
             None => format!(
-                "{},{},{},{},{},{},{},,,,,",
+                "{},{},{},{},{},{},{},,,,,,,",
                 self.characters,
                 self.seconds,
                 self.words_per_minute,
@@ -65,13 +65,15 @@ impl SessionResult {
                 self.deletions
             ),
             Some(pointing) => format!(
-                ",{},,,,,,{},{},{},{},{}",
+                ",{},,,,,,{},{},{},{},{},{},{}",
                 self.seconds,
                 pointing.targets,
                 pointing.misses,
                 pointing.movement_s,
                 pointing.path_efficiency,
-                pointing.throughput
+                pointing.throughput,
+                pointing.axis_deviation_px,
+                pointing.reentries
             ),
         };
         let chords = self.chords.iter();
@@ -444,9 +446,9 @@ mod tests {
     fn names_of_layouts_are_fields_of_csv_and_no_formulas() {
         let line = session(12.5).csv();
         let expected =
-            "2026-01-02T03:04:05Z,text,\"My, \"\"board\"\"\",false,10,6.5,12.5,0.1,1,0,0,,,,,,";
+            "2026-01-02T03:04:05Z,text,\"My, \"\"board\"\"\",false,10,6.5,12.5,0.1,1,0,0,,,,,,,,";
         assert_eq!(line, expected);
-        assert_eq!(COLUMNS.split(',').count(), 17);
+        assert_eq!(COLUMNS.split(',').count(), 19);
         assert_eq!(quote_csv("=1+1"), "'=1+1");
     }
 
@@ -461,8 +463,9 @@ mod tests {
                 misses: 2,
                 movement_s: 0.75,
                 path_efficiency: 0.9,
+                axis_deviation_px: 6.5,
+                reentries: 0.25,
                 throughput: 4.25,
-                ..PointingResult::default()
             }),
             ..session(0.0)
         };
@@ -477,18 +480,12 @@ mod tests {
                 *session
             );
         }
-        assert!(
-            pointing
-                .csv()
-                .ends_with("false,,6.5,,,,,,9,2,0.75,0.9,4.25,"),
-            "{}",
-            pointing.csv()
-        );
-        assert!(
-            chords.csv().ends_with(",,,,,,\", 3/3 q 1/3\""),
-            "{}",
-            chords.csv()
-        );
+        let row = pointing.csv();
+        let figures = "false,,6.5,,,,,,9,2,0.75,0.9,4.25,6.5,0.25,";
+        assert!(row.ends_with(figures), "{row}");
+        let chord_row = chords.csv();
+        let end = ",,,,,,,,\", 3/3 q 1/3\"";
+        assert!(chord_row.ends_with(end), "{chord_row}");
         let better = SessionResult {
             chords: [('q', [3, 3]), (',', [3, 3])].into(),
             ..session(2.0)

@@ -107,6 +107,8 @@ fn print(
             "movement_s": result.movement_s,
             "path_efficiency": result.path_efficiency,
             "throughput_bits_per_s": result.throughput,
+            "axis_deviation_px": result.axis_deviation_px,
+            "target_reentries": result.reentries,
         });
         return Ok(writeln!(out, "{json}")?);
     }
