@@ -177,6 +177,26 @@ fn two_layouts_are_compared_with_the_same_people() {
 }
 
 #[test]
+fn the_ranges_of_a_repeated_person_are_over_repetitions_and_the_result_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let html = folder.path().join("a.html");
+    let page_arguments = ["--html", text(&html)];
+    let person = ["--person", "adult", "--people", "2", "--count", "1"];
+    let scored = ["lab", "score", "qwerty-flat"];
+    let repeated = run([&scored[..], &person, &page_arguments].concat()).done();
+    for words in [
+        "qwerty-flat: 2 repetitions of one simulated person,",
+        "the ranges are over repetitions of one person",
+    ] {
+        assert!(repeated.out.contains(words), "{}", repeated.out);
+    }
+    let page = std::fs::read_to_string(&html).expect("a page");
+    assert!(page.contains("from resampled repetitions of one person"));
+    let people = run([&scored[..], &person[2..]].concat()).done();
+    assert!(!people.out.contains("repetitions"), "{}", people.out);
+}
+
+#[test]
 fn a_text_that_cannot_be_typed_names_its_characters_and_an_empty_one_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let phrases = file(&folder, "phrases.txt", "¿qué tal?\n");

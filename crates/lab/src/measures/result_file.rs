@@ -214,6 +214,23 @@ impl LabResult {
         }
     }
 
+    /// Returns `true` if the scores are repetitions of one person, over which the intervals are.
+    pub fn is_repeated(&self) -> bool {
+        matches!(self.people, PeopleSpec::Person { .. }) && self.scores.len() > 1
+    }
+
+    /// Returns the people with scores as words, such as `20 simulated people`.
+    pub fn subjects(&self) -> String {
+        let count = self.scores.len();
+        if self.is_repeated() {
+            format!("{count} repetitions of one simulated person")
+        } else if count == 1 {
+            "1 simulated person".to_owned()
+        } else {
+            format!("{count} simulated people")
+        }
+    }
+
     /// Returns the text of the file.
     pub fn to_json(&self) -> String {
         let text = serde_json::to_string_pretty(self);

@@ -114,11 +114,16 @@ fn write_conditions(result: &LabResult, page: &mut String) -> fmt::Result {
         Some(decoder) => format!("decoder: {}; ", escape_markup(decoder)),
         None => String::new(),
     };
+    let resampled = if result.is_repeated() {
+        "repetitions of one person, and say nothing about other people"
+    } else {
+        "populations"
+    };
     writeln!(
         page,
-        "<p class=\"note\">{} simulated people, {} phrases each of {} (hash {}); tier: {}; source: {}; {corrections}{decoder}seed {}; \
-         program {}. Every figure is simulated; ranges are intervals of 95 % from resampled populations.</p>",
-        result.scores.len(),
+        "<p class=\"note\">{}, {} phrases each of {} (hash {}); tier: {}; source: {}; {corrections}{decoder}seed {}; \
+         program {}. Every figure is simulated; ranges are intervals of 95 % from resampled {resampled}.</p>",
+        result.subjects(),
         result.phrases,
         escape_markup(&result.corpus),
         escape_markup(&result.corpus_hash),

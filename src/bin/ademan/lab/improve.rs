@@ -344,7 +344,7 @@ fn advice(found: &Found) -> &'static str {
 
 /// The judgement of held-out people on both layouts.
 struct Judgement {
-    people: usize,
+    subjects: String,
     phrases: usize,
     comparison: Comparison,
     /// The gain for the objective.
@@ -361,7 +361,7 @@ impl Judgement {
         );
         let reference = Reference::new(&before.scores);
         Ok(Self {
-            people: before.scores.len(),
+            subjects: before.subjects(),
             phrases: before.corpus_phrases.len(),
             comparison: comparison.map_err(|error| Failure::job(error.to_string()))?,
             gain: args
@@ -375,8 +375,8 @@ impl Judgement {
         let mut out = io::stdout().lock();
         writeln!(
             out,
-            "held out: {} simulated people and {} phrases that the search has not seen",
-            self.people, self.phrases
+            "held out: {} and {} phrases that the search has not seen",
+            self.subjects, self.phrases
         )?;
         table::print_comparison(&self.comparison, &mut out)?;
         writeln!(

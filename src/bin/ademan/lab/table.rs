@@ -22,15 +22,20 @@ pub fn print(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
     };
     writeln!(
         out,
-        "{}: {} simulated {}, {tier}, source {}{corrections}, {} phrases each of {}, seed {}",
+        "{}: {}, {tier}, source {}{corrections}, {} phrases each of {}, seed {}",
         escape(&result.layout_file),
-        result.scores.len(),
-        people(result.scores.len()),
+        result.subjects(),
         result.source,
         result.phrases,
         escape(&result.corpus),
         result.seed
     )?;
+    if result.is_repeated() {
+        writeln!(
+            out,
+            "  the ranges are over repetitions of one person, and say nothing about other people"
+        )?;
+    }
     if let Some(partial) = &result.partial {
         writeln!(
             out,
@@ -231,7 +236,7 @@ pub fn print_comparison(comparison: &Comparison, out: &mut impl Write) -> io::Re
 }
 
 /// Returns the noun behind a number of people.
-pub fn people(count: usize) -> &'static str {
+fn people(count: usize) -> &'static str {
     if count == 1 { "person" } else { "people" }
 }
 

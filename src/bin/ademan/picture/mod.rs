@@ -202,8 +202,8 @@ fn heat_svg(
         _ => "strokes that did not press what was meant",
     };
     let note = format!(
-        "In colour: {what}, of {} simulated people, source {}, seed {}",
-        result.scores.len(),
+        "In colour: {what}, of {}, source {}, seed {}",
+        result.subjects(),
         result.source,
         result.seed
     );
