@@ -15,6 +15,7 @@ mod watch_set;
 use std::io;
 use std::mem;
 use std::path::{Path, absolute};
+use std::thread;
 
 use crossbeam_channel::{Receiver, bounded};
 use notify::event::{AccessKind, AccessMode};
@@ -59,6 +60,7 @@ impl FileWatcher {
     }
 
     fn watch(set: &WatchSet) -> io::Result<Self> {
+        check_threads()?;
         let (sender, changes) = bounded(1);
         let relevant = set.clone();
         let handler = move |event: notify::Result<Event>| {
@@ -69,7 +71,8 @@ impl FileWatcher {
         };
         let mut watcher = notify::recommended_watcher(handler).map_err(into_io)?;
         if watcher.configure(Config::default()).is_err() {
-            // Every other call of a watcher without a thread panics, also when it is dropped.
+            // The last thread was taken since the check. Every other call of a watcher without a thread panics, also when it is
+            // dropped, so its descriptor stays open.
             mem::forget(watcher);
             return Err(io::Error::other("the system permits no further thread"));
         }
@@ -101,6 +104,13 @@ impl FileWatcher {
     pub fn changes(&self) -> &Receiver<()> {
         &self.changes
     }
+}
+
+/// Fails if the system permits no further thread: a watcher that cannot start its thread could not be freed.
+fn check_threads() -> io::Result<()> {
+    let thread = thread::Builder::new().name("watch check".into());
+    let ended = thread.spawn(|| ())?.join();
+    ended.map_err(|_| io::Error::other("a thread ended early"))
 }
 
 fn add(watcher: &mut RecommendedWatcher, path: &Path) -> io::Result<()> {
