@@ -56,9 +56,12 @@ impl<'a> Neighborhood<'a> {
         Share { low, high }
     }
 
-    /// Iterates over the outlines whose left and right edges are within `distance` of the edges of an outline.
+    /// Iterates over the outlines within `distance` of the edges of an outline, and some others.
     fn near(&self, index: usize, distance: f32) -> impl Iterator<Item = &'a Outline> + '_ {
         let outline = &self.outlines[index];
+        // A turned outline is within the circle around its corners.
+        let radius = |it: &Outline| it.half_extents().length();
+        let (y, reach) = (outline.center.y, radius(outline) + distance);
         let half = outline.aabb_half_extents().x + distance;
         let [low, high] = [outline.center.x - half, outline.center.x + half];
         let start = self
@@ -69,6 +72,7 @@ impl<'a> Neighborhood<'a> {
             .take_while(move |(left, _)| *left <= high)
             .filter(move |(_, other)| *other != index)
             .map(|(_, other)| &self.outlines[*other])
+            .filter(move |other| (other.center.y - y).abs() <= reach + radius(other))
     }
 }
 

@@ -177,8 +177,10 @@ impl<'a> LayoutBuilder<'a> {
         pitch_mm: f64,
         auto_recenter: Option<AutoRecenter>,
     ) -> Result<(), DocumentError> {
-        self.report_overlaps();
-        self.board.share_gaps();
+        // With more overlaps the layout is not used, and each key may be the neighbor of all others.
+        if self.report_overlaps() < MAX_OVERLAPS {
+            self.board.share_gaps();
+        }
         let draft = std::mem::take(&mut self.board);
         let board = Board {
             name: name.map(str::to_owned),
@@ -396,10 +398,12 @@ impl<'a> LayoutBuilder<'a> {
         Ok(())
     }
 
-    fn report_overlaps(&mut self) {
+    /// Reports faces that overlap, at most [`MAX_OVERLAPS`] pairs. Returns the number of pairs.
+    fn report_overlaps(&mut self) -> usize {
         let faces = std::mem::take(&mut self.board.outlines);
         let outlines: Vec<Outline> = faces.iter().map(|(it, _, _)| *it).collect();
-        for (first, second) in overlapping_pairs(&outlines, MAX_OVERLAPS) {
+        let pairs = overlapping_pairs(&outlines, MAX_OVERLAPS);
+        for &(first, second) in &pairs {
             let (outline, target, first) = faces[first];
             let (other, other_target, second) = faces[second];
             let line = line_number(self.text(), first.slice);
@@ -412,6 +416,7 @@ impl<'a> LayoutBuilder<'a> {
             self.report(error, &[other_target, target]);
         }
         self.board.outlines = faces;
+        pairs.len()
     }
 }
 
