@@ -85,7 +85,7 @@ impl CompositorConnection {
         }
         let keyboard = self.seat.get_keyboard(&self.queue.handle(), ());
         self.roundtrip()?;
-        // Its later events would not be read.
+        // Later events have the keymap of the keyboard that was used last, which may be a virtual one of this or another program.
         if keyboard.version() >= 3 {
             keyboard.release();
         }
