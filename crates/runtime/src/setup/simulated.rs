@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::{LoadedSetup, SetupError, TargetOutOfReach};
 use crate::capture::{Hc11Format, SampleKind, StreamFormat};
 use crate::sim::{
-    self, ActionError, ActionErrorKind, HandAction, HandTask, Sensor, SimulatedStream,
+    self, ActionError, ActionErrorKind, HandAction, HandTask, Script, Sensor, SimulatedStream,
     SimulatedTypist, TourStop, TypingKeys, TypistError, TypistSettings, open_script,
 };
 use ademan_core::contact::TargetId;
@@ -137,6 +137,22 @@ impl LoadedSetup {
         seed: u64,
     ) -> Result<SimulatedTypist, SetupError> {
         let script = open_script(path_or_text, &self.layout.target_names())?;
+        let typist = self.planned(&script, format, noise, seed)?;
+        let typist = typist.map_err(|error| {
+            let message = self.reach_message(&error);
+            script_error(&script, error, message)
+        })?;
+        Ok(self.following(typist, HandTask::Script(script)))
+    }
+
+    /// Returns a simulated hand that plays a script, and does not follow the layout.
+    fn planned(
+        &self,
+        script: &Script,
+        format: &Hc11Format,
+        noise: f64,
+        seed: u64,
+    ) -> Result<Result<SimulatedTypist, TypistError>, SetupError> {
         let settings = TypistSettings {
             name: format!("script:{}", script.file()),
             packet_period: format.packet_period(),
@@ -151,16 +167,9 @@ impl LoadedSetup {
         let fit = &self.layout.fit;
         let actions = script.actions().iter().cloned();
         let actions: Vec<HandAction> = actions.map(|action| action.placed(fit)).collect();
-        let typist = SimulatedTypist::with_hands(&settings, &actions, scene, &hands);
-        let typist = typist.map_err(|error| match &error {
-            TypistError::Action(action_error) => {
-                let message = self.reach_message(&error);
-                let message = message.unwrap_or_else(|| error.to_string());
-                script.error(action_error.index, message).into()
-            }
-            TypistError::CannotType(_) => SetupError::from(error),
-        })?;
-        Ok(self.following(typist, HandTask::Script(script)))
+        Ok(SimulatedTypist::with_hands(
+            &settings, &actions, scene, &hands,
+        ))
     }
 
     /// Returns a simulated hand that repeats a task as far as the layout permits, and sends packets in `format`. It reports the parts
@@ -215,7 +224,15 @@ impl LoadedSetup {
 
     /// Returns a script that uses each control of the layout once, as far as the simulated hands can. Comments name what it leaves out.
     pub fn tour(&self) -> String {
-        let play = |script: &str| self.scripted(script, &Hc11Format::default(), 0.0, 0);
+        let names = self.layout.target_names();
+        // The advice about reach is not shown; for each one the layout is built again.
+        let play = |text: &str| -> Result<(), SetupError> {
+            let script = open_script(text, &names)?;
+            let planned = self.planned(&script, &Hc11Format::default(), 0.0, 0)?;
+            planned
+                .map(drop)
+                .map_err(|error| script_error(&script, error, None))
+        };
         let (mut stops, mut others): (Vec<TourStop>, Vec<TourStop>) = sim::aimed_tour(&self.layout)
             .into_iter()
             .partition(|stop| play(&stop.actions).is_ok());
@@ -437,6 +454,17 @@ fn reason_without_press(kind: ActionErrorKind, layout: &Layout) -> Option<String
             Some(format!("{other}; move it or its board"))
         }
         _ => None,
+    }
+}
+
+/// Returns the error at the action of a script that cannot be performed; `message` takes the place of its own message.
+fn script_error(script: &Script, error: TypistError, message: Option<String>) -> SetupError {
+    match &error {
+        TypistError::Action(action_error) => {
+            let message = message.unwrap_or_else(|| error.to_string());
+            script.error(action_error.index, message).into()
+        }
+        TypistError::CannotType(_) => error.into(),
     }
 }
 
