@@ -283,6 +283,25 @@ fn a_pointer_moves_after_its_range_is_placed_and_drops_what_it_holds_with_the_ha
 }
 
 #[test]
+fn the_range_of_a_pointer_is_placed_at_the_point_that_the_pointer_follows() {
+    // Seen from the right, so that the way from the fingertip back to the knuckle is a way to the right.
+    for point in ["Index", "Knuckle", "Wrist"] {
+        let layout = format!(
+            "Layout(name: \"a\", pointer: Pointer(smoothing: Off, mode: Direct(point: {point}, \
+             pose: (anchor: start, bearing_deg: 90), size_mm: (200, 200, 200))))"
+        );
+        let mut person = Person::with_layout(&layout);
+        person.place();
+        let placed = person.camera.events.iter().find_map(|event| match event {
+            EventKind::MoveTo(right, _) => Some(*right),
+            _ => None,
+        });
+        let placed = placed.expect("the pointer moves");
+        assert!((placed - 0.5).abs() < 0.05, "{point}: {placed}");
+    }
+}
+
+#[test]
 fn the_webcam_mouse_clicks_with_the_left_and_the_right_button_drags_and_scrolls() {
     let mut person = Person::with("webcam-mouse");
     person.place();
@@ -406,6 +425,21 @@ fn a_hand_that_moves_for_5_s_and_reaches_nothing_is_told_the_way_to_the_nearest_
     person.go(1.0, DVec3::new(0.0, 0.35, 0.45));
     assert_eq!(person.camera.pipeline.unreached(), None);
     assert_eq!(unreached(&mut person, 0..10), None);
+}
+
+#[test]
+fn the_way_to_the_range_of_a_pointer_begins_at_the_point_that_the_pointer_follows() {
+    for (point, back) in [("Index", 0.0), ("Knuckle", -0.04)] {
+        let layout = format!(
+            "Layout(name: \"a\", pointer: Pointer(mode: Direct(point: {point}, \
+             pose: (anchor: world, height_mm: 300, forward_mm: -450), size_mm: (20, 100, 100))))"
+        );
+        let mut person = Person::with_layout(&layout);
+        let (_, nearest) = unreached(&mut person, 0..10).expect("a hint");
+        let (_, way) = nearest.expect("a range with a place");
+        assert!((way[1] - 0.23).abs() < 0.01, "{point}: {way:?}");
+        assert!((way[2] - back).abs() < 0.01, "{point}: {way:?}");
+    }
 }
 
 #[test]

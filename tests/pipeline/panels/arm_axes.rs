@@ -146,6 +146,15 @@ fn the_index_finger_moves_the_axes_and_a_turn_of_the_hand_does_not() {
 }
 
 #[test]
+fn the_index_knuckle_moves_the_axes_and_its_finger_does_not() {
+    let mode = format!("point: Knuckle, axes: [{AXES}], dead_zone: 0.05");
+    let play = |by, finger| play(&mode, Side::Right, (by, Rot3::IDENTITY), finger);
+    let bent = play(Vec3::ZERO, Vec3::Y * -0.05);
+    assert!(bent.is_empty(), "{bent:?}");
+    assert_eq!(play(Vec3::X * 0.3, Vec3::ZERO), [(Axis::MoveX, 1.0)]);
+}
+
+#[test]
 fn the_response_has_a_dead_zone_and_a_curve() {
     let mode =
         r#"point: Wrist, axes: [(axis: "MoveX", motion: Right(100))], dead_zone: 0.2, exponent: 2"#;

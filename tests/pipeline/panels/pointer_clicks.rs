@@ -21,6 +21,27 @@ fn play(fields: &str, script: &str) -> String {
 }
 
 #[test]
+fn fingers_that_pinch_move_a_cursor_that_follows_their_tip_and_not_one_that_follows_the_knuckle() {
+    // The index finger bends before the pinch is near, and the cursor may move from the first moment of a click.
+    let script = "knuckle 0 0 0 & tip index 0 0 -80 & tip thumb -80 -20 -30; tip index 0 -30 -60; \
+                  tip thumb -40 -30 -50; tip index 0 -40 -50 & tip thumb -10 -40 -50; tip thumb -40 -30 -50; \
+                  tip index 0 0 -80 & tip thumb -80 -20 -30; wait 400";
+    let events = |point: &str| {
+        let mode = format!(
+            "mode: Direct(point: {point}, pose: (anchor: world), size_mm: (200, 200, 400))"
+        );
+        let fields = format!("{mode}, output: Relative, drag_threshold_px: 0, {PINCHES}");
+        pointer(&fields).run(script).events()
+    };
+    assert_eq!(events("Knuckle"), "dn:MouseLeft up:MouseLeft");
+    let carried = events("Index");
+    assert!(
+        carried.contains("dn:MouseLeft") && carried.contains("move="),
+        "{carried}"
+    );
+}
+
+#[test]
 fn a_pinch_is_a_button_with_hysteresis() {
     assert_eq!(
         play(

@@ -64,6 +64,31 @@ fn the_fingertip_in_the_box_is_the_position_on_the_screen() {
 }
 
 #[test]
+fn the_knuckle_or_the_wrist_in_the_box_is_the_position_on_the_screen_wherever_the_fingertip_is() {
+    let follow = |point: &str| DIRECT.replace("Direct(", &format!("Direct(point: {point},"));
+    let script = "knuckle 0 0 -300 & tip index 0 0 -380; tip index 0 -50 -330; hide index; knuckle 50 25 -300";
+    assert_eq!(
+        play(&follow("Knuckle"), script),
+        "place=0.5000,0.5000 place=0.7500,0.2500"
+    );
+    assert_eq!(play(&follow("Wrist"), script), "place=0.5000,0.5000");
+    assert_eq!(play(&follow("Knuckle"), "tip index 0 0 -300"), "");
+}
+
+#[test]
+fn the_knuckle_moves_the_pointer_while_one_finger_is_untrusted_and_not_while_all_are() {
+    let knuckle = DIRECT.replace("Direct(", "Direct(point: Knuckle,");
+    let one = "knuckle 0 0 -300; doubt index & knuckle 50 25 -300";
+    assert_eq!(
+        play(&knuckle, one),
+        "place=0.5000,0.5000 place=0.7500,0.2500"
+    );
+    let all = "doubt thumb & doubt index & doubt middle & doubt ring & doubt little";
+    let lost = format!("knuckle 0 0 -300; {all} & knuckle 50 25 -300; wait 50");
+    assert_eq!(play(&knuckle, &lost), "place=0.5000,0.5000");
+}
+
+#[test]
 fn a_box_with_a_bearing_is_seen_from_its_front() {
     let right = DIRECT.replace("forward_mm", "bearing_deg: 90, forward_mm");
     assert_eq!(

@@ -7,7 +7,7 @@ const MAX_STEP: f64 = 50.0;
 /// The last pixel of the screen.
 const LAST: [f64; 2] = [1000.0, 500.0];
 
-const MODES: [&str; 5] = [
+const MODES: [&str; 6] = [
     r#"Joint(
         x: (dof: "wrist-deviation", from_deg: -10, to_deg: 10),
         y: (dof: "wrist-flexion", from_deg: 30, to_deg: -30, exponent: 0.3),
@@ -16,6 +16,7 @@ const MODES: [&str; 5] = [
     "Ray(origin: Index, pose: (anchor: elbow, forward_mm: 100), size_mm: (100, 50))",
     "Ray(origin: Hand, pose: (anchor: elbow, bearing_deg: 20, forward_mm: 100), size_mm: (100, 50))",
     "Rate(input: Fingertip(pose: (anchor: world), full_mm: 50), dead_zone: 0, max_px_per_s: 100000, exponent: 0.2)",
+    "Direct(point: Knuckle, pose: (anchor: elbow, forward_mm: -90), size_mm: (100, 50, 50))",
 ];
 const SETTINGS: [&str; 4] = [
     "output: Absolute, smoothing: Default",

@@ -26,13 +26,30 @@ use parry3d::math::{Pose, Vec3};
 use crate::hand::{BodyPoints, Finger, FingerSet, Joint, JointPositions, Side};
 use crate::time::Timestamp;
 
-/// The position of the index fingertip of an open hand that was held still at the start (world, metres); `None` until then.
+/// The place of an open hand that was held still at the start (world, metres); `None` until then.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StartPlace {
-    /// The place of the hand itself.
+    /// The index fingertip of the hand itself.
     pub own: Option<Vec3>,
-    /// The place of the hand that was placed first, for what either hand uses.
+    /// The index fingertip of the hand that was placed first, for what either hand uses.
     pub shared: Option<Vec3>,
+    /// The index knuckle of the hand itself.
+    pub knuckle: Option<Vec3>,
+    /// The wrist of the hand itself.
+    pub wrist: Option<Vec3>,
+}
+
+impl StartPlace {
+    /// Returns the place of a hand that is held still in a pose, as if it was placed first.
+    pub fn from_pose(pose: &HandPose) -> Self {
+        let tip = pose.fingertip(Finger::Index);
+        Self {
+            own: tip,
+            shared: tip,
+            knuckle: pose.position(Joint::IndexPhalanxProximal),
+            wrist: pose.position(Joint::Wrist),
+        }
+    }
 }
 
 /// The poses of the joints of one arm and hand at one time, in the world.

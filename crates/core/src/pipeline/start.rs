@@ -83,8 +83,8 @@ impl Pipeline {
             && !self.hands.iter().any(|hand| is_placed(&hand.output.pose))
     }
 
-    /// Places what is anchored at the start at the index fingertip of an open hand that was held still. While something is
-    /// pressed, nothing is placed.
+    /// Places what is anchored at the start at an open hand that was held still: at its index fingertip, or at the point that a
+    /// pointer follows. While something is pressed, nothing is placed.
     pub(super) fn place_at_start(&mut self, index: usize, events: &mut Events) {
         let layout = &self.profiles[self.active_profile].layout;
         if !layout.starts_at_hand() {
@@ -102,8 +102,12 @@ impl Pipeline {
         hand.start.reset();
         // Pointers and fingertips start over in controls that have just appeared around them.
         self.release_all(self.time, events);
-        let start = &mut self.hands[index].output.pose.start;
-        start.own = Some(place);
+        let pose = &mut self.hands[index].output.pose;
+        pose.start = StartPlace {
+            own: Some(place),
+            shared: pose.start.shared,
+            ..StartPlace::from_pose(pose)
+        };
         for other in &mut self.hands {
             other.output.pose.start.shared.get_or_insert(place);
         }

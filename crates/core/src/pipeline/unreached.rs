@@ -34,7 +34,8 @@ pub struct NearestControl {
     pub target: Option<TargetId>,
     /// `true` if it is on a board, which can be moved to the hand.
     pub is_on_board: bool,
-    /// The vector from the fingertip to its center: to the right, up, towards the wearer, in metres.
+    /// The vector from the fingertip to its center, or from the point that a pointer follows to its range: to the right, up,
+    /// towards the wearer, in metres.
     pub way: Vec3,
 }
 
@@ -153,15 +154,18 @@ impl LayoutInstance {
     }
 }
 
-/// Returns the vector from a fingertip to the nearest point of a box, or to the center of another range.
+/// Returns the vector from the point that moves in a box to the nearest point of the box, or from a fingertip to the center of
+/// another range.
 fn way_to_range(mode: &PointingMode, pose: &HandPose, tip: Vec3) -> Option<Vec3> {
     let frame = mode
         .frame()
         .map(|frame: &AnchoredFrame| frame.world_from_frame(pose))??;
-    let half = match mode {
-        PointingMode::Direct(DirectPointing { size, .. }) => *size / 2.0,
-        _ => Vec3::ZERO,
+    let (from, half) = match mode {
+        PointingMode::Direct(DirectPointing { point, size, .. }) => {
+            (pose.position(point.joint())?, *size / 2.0)
+        }
+        _ => (tip, Vec3::ZERO),
     };
-    let local = frame.inverse_transform_point(tip);
-    Some(frame * local.clamp(-half, half) - tip)
+    let local = frame.inverse_transform_point(from);
+    Some(frame * local.clamp(-half, half) - from)
 }

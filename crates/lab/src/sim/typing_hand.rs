@@ -162,11 +162,7 @@ impl TypingHand {
 
     /// Returns the hand with the pose of its posture at rest.
     pub(super) fn at_rest(mut self) -> Self {
-        let place = self.pose(&self.open_values()).fingertip(FINGER);
-        self.start = StartPlace {
-            own: place,
-            shared: place,
-        };
+        self.start = StartPlace::from_pose(&self.pose(&self.open_values()));
         let mut resting_pose = self.pose(&self.rest_values());
         self.other_wrist = place_of_carrier(&resting_pose);
         resting_pose.other_wrist = self.other_wrist;

@@ -159,7 +159,7 @@ struct Range<'a> {
 /// Returns the range of a pointer, if it is a box or a rectangle in space.
 fn range(pointer: &PointerSettings) -> Option<Range<'_>> {
     match &pointer.mode {
-        PointingMode::Direct(DirectPointing { frame, size }) => Some(Range {
+        PointingMode::Direct(DirectPointing { frame, size, .. }) => Some(Range {
             frame,
             half: *size / 2.0,
         }),

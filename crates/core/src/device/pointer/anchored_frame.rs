@@ -2,6 +2,7 @@
 
 use parry3d::math::{Pose, Vec3};
 
+use super::posture::HandPoint;
 use crate::contact::surface::Anchor;
 use crate::kinematics::HandPose;
 
@@ -11,6 +12,8 @@ use crate::kinematics::HandPose;
 pub struct AnchoredFrame {
     /// The world, a joint, or the place of the hand at the start.
     pub anchor: Anchor,
+    /// The point of the open hand whose place is [`Anchor::Start`].
+    pub start: HandPoint,
     /// The pose relative to the position of the anchor, in the world's axes.
     pub anchor_from_frame: Pose,
 }
@@ -18,7 +21,11 @@ pub struct AnchoredFrame {
 impl AnchoredFrame {
     /// Returns its pose in the world for a pose of the hand; `None` if the position of its anchor is unknown.
     pub fn world_from_frame(&self, pose: &HandPose) -> Option<Pose> {
-        let origin = self.anchor.position(pose, false)?;
+        let origin = match (self.anchor, self.start) {
+            (Anchor::Start, HandPoint::Knuckle) => pose.start.knuckle,
+            (Anchor::Start, HandPoint::Wrist) => pose.start.wrist,
+            (anchor, _) => anchor.position(pose, false),
+        }?;
         Some(Pose::from_parts(
             origin + self.anchor_from_frame.translation,
             self.anchor_from_frame.rotation,

@@ -1,14 +1,16 @@
-//! Direct pointing: the position of the index fingertip in a box.
+//! Direct pointing: the position of a point of the hand in a box.
 
 use parry3d::math::Vec3;
 
 use super::anchored_frame::AnchoredFrame;
+use super::posture::HandPoint;
 use super::trusted_hand::TrustedHand;
-use crate::hand::Finger;
 
-/// A box in which the index fingertip moves.
+/// A box in which a point of the hand moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectPointing {
+    /// The point.
+    pub point: HandPoint,
     /// The center.
     pub frame: AnchoredFrame,
     /// Width, height and depth, in metres; each more than 0.
@@ -16,9 +18,11 @@ pub struct DirectPointing {
 }
 
 impl DirectPointing {
-    /// Returns the position in the box, 0..=1 on each axis; a fingertip outside is clamped to the border.
+    /// Returns the position in the box, 0..=1 on each axis; a point outside is clamped to the border.
     pub(super) fn fractions(&self, hand: &TrustedHand) -> Option<Vec3> {
-        let tip = self.frame.to_local(hand.pose(), hand.tip(Finger::Index)?)?;
-        Some((tip / self.size + 0.5).clamp(Vec3::ZERO, Vec3::ONE))
+        let point = self
+            .frame
+            .to_local(hand.pose(), self.point.position(hand)?)?;
+        Some((point / self.size + 0.5).clamp(Vec3::ZERO, Vec3::ONE))
     }
 }

@@ -17,7 +17,7 @@ pub use super::ray::{RayOrigin, RayPointing};
 pub enum PointingMode {
     /// Three joint angles are the position.
     Joint(JointPointing),
-    /// The position of the index fingertip in a box is the position.
+    /// The position of a point of the hand in a box is the position.
     Direct(DirectPointing),
     /// The intersection of a ray from the hand with a rectangle is the position.
     Ray(RayPointing),

@@ -7,11 +7,13 @@ use super::trusted_hand::TrustedHand;
 use crate::hand::{Finger, Joint, Side};
 use crate::kinematics::HandPose;
 
-/// The point of the hand whose displacement counts.
+/// A point of the hand that a pointer follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HandPoint {
     /// The index fingertip, for arms that the wrist and the fingers move.
     Index,
+    /// The index knuckle, which pinching fingers do not move.
+    Knuckle,
     /// The wrist, for arms that are tracked as a whole.
     Wrist,
 }
@@ -38,6 +40,23 @@ pub(super) struct HandMotion {
 }
 
 impl HandPoint {
+    /// Returns the joint at the point.
+    pub const fn joint(self) -> Joint {
+        match self {
+            Self::Index => Joint::IndexTip,
+            Self::Knuckle => Joint::IndexPhalanxProximal,
+            Self::Wrist => Joint::Wrist,
+        }
+    }
+
+    /// Returns the position in the world, in metres; `None` if it is unknown, not finite, or untrusted.
+    pub(super) fn position(self, hand: &TrustedHand) -> Option<Vec3> {
+        match self {
+            Self::Index => hand.tip(Finger::Index),
+            Self::Knuckle | Self::Wrist => hand.joint(self.joint()),
+        }
+    }
+
     /// Returns the posture of a hand, or `None` if a joint that it needs is unknown.
     pub(super) fn posture(self, hand: &TrustedHand) -> Option<HandPosture> {
         let pose = hand.pose();
@@ -45,7 +64,9 @@ impl HandPoint {
         let world_from_hand = palm_rotation(pose, wrist)?;
         let point = match self {
             Self::Wrist => Vec3::ZERO,
-            Self::Index => world_from_hand.inverse() * (hand.tip(Finger::Index)? - wrist),
+            Self::Index | Self::Knuckle => {
+                world_from_hand.inverse() * (self.position(hand)? - wrist)
+            }
         };
         let posture = HandPosture {
             wrist,

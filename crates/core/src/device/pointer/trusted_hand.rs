@@ -3,7 +3,7 @@
 use parry3d::math::Vec3;
 
 use crate::device::DeviceInput;
-use crate::hand::{Dof, Finger, Input};
+use crate::hand::{Dof, Finger, FingerSet, Input, Joint};
 use crate::kinematics::HandPose;
 
 /// A view of the device input that returns `None` for untrusted measurements.
@@ -46,5 +46,13 @@ impl<'a> TrustedHand<'a> {
         let tip = self.0.pose.fingertip(finger)?;
         let is_trusted = !self.0.pose.untrusted.contains(finger) && tip.is_finite();
         is_trusted.then_some(tip)
+    }
+
+    /// Returns the position of a joint of the palm or the wrist in the world, in metres; `None` if it is unknown, not finite, or
+    /// the whole hand is untrusted. It does not depend on a single finger.
+    pub(super) fn joint(&self, joint: Joint) -> Option<Vec3> {
+        let position = self.0.pose.position(joint)?;
+        let is_trusted = self.0.pose.untrusted != FingerSet::ALL && position.is_finite();
+        is_trusted.then_some(position)
     }
 }

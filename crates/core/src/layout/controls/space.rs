@@ -5,6 +5,7 @@ use serde::Deserialize;
 
 use crate::contact::TargetId;
 use crate::contact::volume::{Volume, VolumeSet, VolumeShape};
+use crate::device::pointer::mode::HandPoint;
 use crate::device::pointer::{AnchoredFrame, SelectionSpace};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
@@ -68,6 +69,7 @@ impl<'a> SpaceSchema<'a> {
         // Each target keeps its direction from the anchor, so the frame stays.
         let frame = AnchoredFrame {
             anchor: self.pose.anchor.into(),
+            start: HandPoint::Index,
             anchor_from_frame: self.pose.anchor_from_volume(&PoseFit::NONE),
         };
         let mut first_target: Option<TargetId> = None;

@@ -160,7 +160,7 @@ impl FluentHand {
             };
             Unsteadiness::new(&motion, setup.own, person.seed ^ salt)
         };
-        let place = index.pose(&index.open_values()).fingertip(Finger::Index);
+        let start = StartPlace::from_pose(&index.pose(&index.open_values()));
         Self {
             side,
             half_bent: index.half_bent_pose(),
@@ -172,10 +172,7 @@ impl FluentHand {
             keys: keys.clone(),
             aims: BTreeMap::new(),
             references: [None; Finger::COUNT],
-            start: StartPlace {
-                own: place,
-                shared: place,
-            },
+            start,
             timeline: Timeline::new(values.clone()),
             initial: values.clone(),
             values,

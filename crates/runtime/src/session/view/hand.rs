@@ -22,10 +22,16 @@ pub struct ViewHand {
     time_us: Timestamp,
     /// The radius of the fingertips.
     tip_radius_mm: f32,
-    /// The place of the hand at the start, in metres.
+    /// The index fingertip of the hand at the start, in metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     start: Option<[f32; 3]>,
-    /// The place of the hand that was placed first, in metres.
+    /// The index knuckle of the hand at the start, in metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    start_knuckle: Option<[f32; 3]>,
+    /// The wrist of the hand at the start, in metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    start_wrist: Option<[f32; 3]>,
+    /// The index fingertip at the start of the hand that was placed first, in metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shared_start: Option<[f32; 3]>,
     /// The position of the wrist of the other hand, in metres.
@@ -43,6 +49,8 @@ impl From<&HandPose> for ViewHand {
             time_us: pose.time,
             tip_radius_mm: pose.tip_radius * 1e3,
             start: pose.start.own.map(|place| place.to_array()),
+            start_knuckle: pose.start.knuckle.map(|place| place.to_array()),
+            start_wrist: pose.start.wrist.map(|place| place.to_array()),
             shared_start: pose.start.shared.map(|place| place.to_array()),
             other_wrist: pose.other_wrist.map(|place| place.to_array()),
             joints: known
@@ -60,6 +68,8 @@ impl ViewHand {
         pose.start = StartPlace {
             own: place(self.start),
             shared: place(self.shared_start),
+            knuckle: place(self.start_knuckle),
+            wrist: place(self.start_wrist),
         };
         pose.other_wrist = place(self.other_wrist);
         for (joint, numbers) in &self.joints {
@@ -101,6 +111,8 @@ mod tests {
         let at = Pose::from_parts(Vec3::new(0.1, -0.2, 0.3), Rotation::from_rotation_x(0.5));
         pose.set(Joint::Wrist, at);
         pose.start.own = Some(Vec3::new(0.0, 0.1, 0.2));
+        pose.start.knuckle = Some(Vec3::new(0.0, 0.1, 0.3));
+        pose.start.wrist = Some(Vec3::new(0.0, 0.1, 0.4));
         let line = serde_json::to_string(&ViewHand::from(&pose)).unwrap();
         let hand: ViewHand = serde_json::from_str(&line).unwrap();
         let received = hand.pose();

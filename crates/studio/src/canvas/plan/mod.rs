@@ -16,7 +16,7 @@ use crate::scene::{front_corners, volume_corners};
 use ademan_core::contact::surface::Surface;
 use ademan_core::contact::volume::{Volume, VolumeShape};
 use ademan_core::hand::Finger;
-use ademan_core::kinematics::HandPose;
+use ademan_core::kinematics::{HandPose, StartPlace};
 use ademan_core::layout::{Board, BoardShape, Layout};
 
 /// The edge of the plate of a board around its fronts, in millimetres.
@@ -103,12 +103,14 @@ pub struct WrittenPose {
     pub tilt_deg: f64,
 }
 
-/// Returns hands at rest that are also where they start: an index fingertip is held where it is.
+/// Returns hands at rest that are also where they start: they are held where they are.
 pub fn at_start(mut hands: Vec<HandPose>) -> Vec<HandPose> {
     let shared = hands.first().and_then(|it| it.fingertip(Finger::Index));
     for hand in &mut hands {
-        hand.start.own = hand.fingertip(Finger::Index);
-        hand.start.shared = shared;
+        hand.start = StartPlace {
+            shared,
+            ..StartPlace::from_pose(hand)
+        };
     }
     hands
 }

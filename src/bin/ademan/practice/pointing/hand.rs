@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use ademan::contact::surface::Anchor;
+use ademan::device::pointer::mode::HandPoint;
 use ademan::device::pointer::{ClickMethod, PointerSettings, PointingMode};
 use ademan::hand::Joint;
 use ademan::layout::Layout;
@@ -35,7 +36,8 @@ pub fn script(layout: &Layout) -> Result<String, Failure> {
         return Err(no_hand());
     };
     let depth = push_depth(pointer).ok_or_else(no_hand)?;
-    if direct.frame.anchor != Anchor::Joint(Joint::Elbow) {
+    let follows_tip = direct.point == HandPoint::Index;
+    if !follows_tip || direct.frame.anchor != Anchor::Joint(Joint::Elbow) {
         return Err(no_hand());
     }
     let mut script = String::new();

@@ -1,6 +1,6 @@
 //! A pointer in words, for the drawing of a layout.
 
-use crate::device::pointer::mode::{Displacement, RateControl, RayOrigin};
+use crate::device::pointer::mode::{Displacement, HandPoint, RateControl, RayOrigin};
 use crate::device::pointer::{ClickMethod, CursorOutput, Gesture, PointerSettings, PointingMode};
 use crate::layout::render::drawing::Words;
 
@@ -12,9 +12,14 @@ pub(in crate::layout) fn describe(
     let mode = match settings.mode {
         PointingMode::Joint(_) => "joint angles".to_owned(),
         PointingMode::Direct(direct) => {
+            let point = match direct.point {
+                HandPoint::Index => "index fingertip",
+                HandPoint::Knuckle => "index knuckle",
+                HandPoint::Wrist => "wrist",
+            };
             let size = direct.size * 1e3;
             let (x, y, z) = (size.x, size.y, size.z);
-            format!("index fingertip in a box of {x:.0} × {y:.0} × {z:.0} mm")
+            format!("{point} in a box of {x:.0} × {y:.0} × {z:.0} mm")
         }
         PointingMode::Ray(ray) => {
             let origin = match ray.from {

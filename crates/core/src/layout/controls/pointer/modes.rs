@@ -1,4 +1,4 @@
-//! Pointing modes: joint angles, fingertip, ray, rate control.
+//! Pointing modes: joint angles, a point of the hand, ray, rate control.
 
 use parry3d::math::{Vec2, Vec3};
 use serde::Deserialize;
@@ -32,8 +32,11 @@ schema! {
             #[serde(default)]
             z: Option<AngleMappingSchema>,
         },
-        /// Position of the index fingertip in a box.
+        /// Position of a point of the hand in a box.
         Direct {
+            /// The point that moves in the box.
+            #[serde(default)]
+            point: HandPointSchema,
             /// Pose of the center of the box.
             pose: PoseSchema,
             /// Width, height and depth.
@@ -101,13 +104,15 @@ schema! {
 }
 
 schema! {
-    /// The point of the hand whose displacement counts.
+    /// A point of the hand that a pointer follows.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
     #[serde(rename = "HandPoint")]
     pub(super) enum HandPointSchema {
-        /// The index fingertip, for a glove, which measures no height of the wrist.
+        /// The index fingertip, also for a glove, which measures no height of the wrist.
         #[default]
         Index,
+        /// The index knuckle, which stays where it is while fingers pinch.
+        Knuckle,
         /// The wrist, for an arm that is tracked as a whole.
         Wrist,
     }
@@ -159,8 +164,16 @@ impl PointingModeSchema<'_> {
                 y: y.check()?,
                 z: z.as_ref().map(AngleMappingSchema::check).transpose()?,
             }),
-            Self::Direct { pose, size_mm } => PointingMode::Direct(DirectPointing {
-                frame: frame(pose, &fit(pose)),
+            Self::Direct {
+                point,
+                pose,
+                size_mm,
+            } => PointingMode::Direct(DirectPointing {
+                point: point.check(),
+                frame: AnchoredFrame {
+                    start: point.check(),
+                    ..frame(pose, &fit(pose))
+                },
                 size: size(*size_mm) * fit(pose).scale,
             }),
             Self::Ray {
@@ -186,11 +199,18 @@ impl PointingModeSchema<'_> {
                 max_speed_px_s: max_px_per_s.get() as f32,
                 curve: exponent.get() as f32,
             }),
-            Self::Arm { point, .. } => PointingMode::Arm(match point {
-                HandPointSchema::Index => HandPoint::Index,
-                HandPointSchema::Wrist => HandPoint::Wrist,
-            }),
+            Self::Arm { point, .. } => PointingMode::Arm(point.check()),
         })
+    }
+}
+
+impl HandPointSchema {
+    fn check(self) -> HandPoint {
+        match self {
+            Self::Index => HandPoint::Index,
+            Self::Knuckle => HandPoint::Knuckle,
+            Self::Wrist => HandPoint::Wrist,
+        }
     }
 }
 
@@ -229,6 +249,7 @@ impl AngleMappingSchema {
 fn frame(pose: &PoseSchema, fit: &PoseFit) -> AnchoredFrame {
     AnchoredFrame {
         anchor: pose.anchor.into(),
+        start: HandPoint::Index,
         anchor_from_frame: pose.anchor_from_volume(fit),
     }
 }
