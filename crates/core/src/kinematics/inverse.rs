@@ -1,4 +1,4 @@
-//! Inverse kinematics: the angles that move a fingertip to a target.
+//! Inverse kinematics: the angles that move a fingertip or another joint to a target.
 
 use arrayvec::ArrayVec;
 use glam::{DMat3, DVec3, Quat};
@@ -9,13 +9,13 @@ use super::joint_rotations::{half_angle, rotation_about};
 use super::link::{Link, MAX_LINKS, far_end};
 use super::principal_axis::PrincipalAxis;
 use crate::estimate::{AffineMap, JointAngles};
-use crate::hand::{Dof, Finger};
+use crate::hand::{Dof, Joint};
 
 /// The most variables of one problem.
 pub const MAX_IK_VARIABLES: usize = 16;
 
 const MAX_ITERATIONS: usize = 120;
-/// The longest displacement of the fingertip in one iteration, in metres. Over a longer one the linearisation is wrong.
+/// The longest displacement of the joint in one iteration, in metres. Over a longer one the linearisation is wrong.
 const MAX_STEP: f64 = 0.04;
 /// The damping λ of the least squares, in metres per radian: a bone's length times a few degrees, so that
 /// a stretched finger does not oscillate.
@@ -60,27 +60,27 @@ impl IkVariable {
 pub struct IkSolution {
     /// The value of each variable, within its range.
     pub values: ArrayVec<f64, MAX_IK_VARIABLES>,
-    /// The remaining distance from the fingertip to the target, in metres; large if the target is out of reach.
+    /// The remaining distance from the joint to the target, in metres; large if the target is out of reach.
     pub distance: f64,
 }
 
-/// Finds values of `variables` that move the center of a fingertip to `target` (world, metres).
+/// Finds values of `variables` that move a joint, or the center of a fingertip, to `target` (world, metres).
 ///
 /// Uses damped least squares with the variables clamped to their ranges, and pulls them towards their rest values in
 /// the null space. Starts at `start`; angles that no variable drives come from `fixed`. Always returns the best
 /// values found: check [`IkSolution::distance`].
 ///
 /// # Panics
-/// If there are more than [`MAX_IK_VARIABLES`] variables, or if the model does not have the finger.
+/// If there are more than [`MAX_IK_VARIABLES`] variables, or if the model does not have the joint.
 pub fn solve_ik(
     model: &ArmModel,
     variables: &[IkVariable],
     fixed: &JointAngles,
     start: &[f64],
-    finger: Finger,
+    joint: Joint,
     target: Vec3,
 ) -> IkSolution {
-    let chain = Chain::to_fingertip(model, finger, variables, fixed);
+    let chain = Chain::to_joint(model, joint, variables, fixed);
     let problem = Problem {
         variables,
         scales: variables.iter().map(IkVariable::scale).collect(),
@@ -92,15 +92,15 @@ pub fn solve_ik(
         distance: f64::INFINITY,
     };
     for _ in 0..MAX_ITERATIONS {
-        let fingertip = chain.forward(&values, &mut poses);
-        let error = (target - fingertip).as_dvec3();
+        let position = chain.forward(&values, &mut poses);
+        let error = (target - position).as_dvec3();
         if error.length() < best.distance - TOLERANCE / 10.0 {
             best.distance = error.length();
             best.values.clone_from(&values);
         } else if best.distance < TOLERANCE {
             break;
         }
-        let jacobian = chain.jacobian(fingertip, &poses, &problem.scales);
+        let jacobian = chain.jacobian(position, &poses, &problem.scales);
         let error = error.clamp_length_max(MAX_STEP);
         if !problem.step(&jacobian, error, &mut values) {
             // All further iterations would be the same.
@@ -128,7 +128,7 @@ pub fn angles_from_variables(
 /// One number for each variable.
 type Values = ArrayVec<f64, MAX_IK_VARIABLES>;
 
-/// The displacement of the fingertip for each variable, in metres per radian of its fastest angle.
+/// The displacement of the joint for each variable, in metres per radian of its fastest angle.
 type Jacobian = ArrayVec<DVec3, MAX_IK_VARIABLES>;
 
 /// The variables, and their scales.
@@ -188,16 +188,16 @@ fn weights(jacobian: &Jacobian, pulls: &Values, free: &[usize], error: DVec3) ->
     square.inverse() * (error - pulled)
 }
 
-/// The links from the root to a fingertip. Other links do not move the fingertip.
+/// The links from the root to a joint. Other links do not move it.
 struct Chain {
     /// The pose of the last link before the first one that a variable turns.
     base: Pose,
     /// The links after it.
     links: ArrayVec<ChainLink, MAX_LINKS>,
-    /// The index of a variable, the index in `links` of a link that it turns, and the gain; by variable, and from the fingertip to
-    /// the root.
+    /// The index of a variable, the index in `links` of a link that it turns, and the gain; by variable, and from the joint to the
+    /// root.
     turns: Vec<(usize, usize, f64)>,
-    /// The length of the last link, in metres.
+    /// The distance of the joint from the pivot of the last link, in metres: the length of the link to a fingertip, otherwise 0.
     length: f32,
 }
 
@@ -256,17 +256,16 @@ impl ChainLink {
 }
 
 impl Chain {
-    fn to_fingertip(
+    fn to_joint(
         model: &ArmModel,
-        finger: Finger,
+        joint: Joint,
         variables: &[IkVariable],
         fixed: &JointAngles,
     ) -> Self {
-        let last = model
-            .links()
-            .iter()
-            .position(|link| link.fingertip == Some(finger));
-        let last = last.expect("the model has the finger");
+        let is_tip = |link: &Link| link.fingertip.map(Joint::tip) == Some(joint);
+        let mut links = model.links().iter();
+        let last = links.position(|link| link.joint == Some(joint) || is_tip(link));
+        let last = last.expect("the model has the joint");
         let parent = |index: &usize| model.links()[*index].parent;
         let mut all: ArrayVec<usize, MAX_LINKS> =
             std::iter::successors(Some(last), parent).collect();
@@ -275,7 +274,11 @@ impl Chain {
             base: model.world_from_root(),
             links: ArrayVec::new(),
             turns: Vec::with_capacity(all.len()),
-            length: model.links()[last].length,
+            length: if is_tip(&model.links()[last]) {
+                model.links()[last].length
+            } else {
+                0.0
+            },
         };
         let mut dofs = ArrayVec::<Option<Dof>, MAX_LINKS>::new();
         for index in all {
@@ -299,7 +302,7 @@ impl Chain {
         chain
     }
 
-    /// Computes the poses of the links as [`ArmModel::link_poses`] does, and returns the position of the fingertip.
+    /// Computes the poses of the links as [`ArmModel::link_poses`] does, and returns the position of the joint.
     fn forward(&self, values: &[f64], poses: &mut ArrayVec<Pose, MAX_LINKS>) -> Vec3 {
         poses.clear();
         let mut parent = self.base;
@@ -310,13 +313,13 @@ impl Chain {
         far_end(self.length, &parent).translation
     }
 
-    /// Returns the displacement of the fingertip per radian of each variable's fastest angle.
-    fn jacobian(&self, fingertip: Vec3, poses: &[Pose], scales: &Values) -> Jacobian {
+    /// Returns the displacement of the joint per radian of each variable's fastest angle.
+    fn jacobian(&self, position: Vec3, poses: &[Pose], scales: &Values) -> Jacobian {
         let mut columns: Jacobian = scales.iter().map(|_| DVec3::ZERO).collect();
         for &(variable, link_index, gain) in &self.turns {
             let pose = &poses[link_index];
             let axis = pose.rotation * self.links[link_index].axis;
-            let lever = fingertip - pose.translation;
+            let lever = position - pose.translation;
             columns[variable] += axis.cross(lever).as_dvec3() * gain;
         }
         for (column, scale) in columns.iter_mut().zip(scales) {
@@ -330,7 +333,7 @@ impl Chain {
 mod tests {
     use super::*;
     use crate::estimate::{Estimate, JointLimits};
-    use crate::hand::Side;
+    use crate::hand::{Finger, Side};
     use crate::kinematics::BoneLengths;
     use crate::time::Timestamp;
 
@@ -356,7 +359,12 @@ mod tests {
         let angles = angles_from_variables(&variables, &values, &JointAngles::default());
         let all = model.link_poses(&angles);
         for &finger in Finger::ALL {
-            let chain = Chain::to_fingertip(&model, finger, &variables, &JointAngles::default());
+            let chain = Chain::to_joint(
+                &model,
+                Joint::tip(finger),
+                &variables,
+                &JointAngles::default(),
+            );
             let mut poses = ArrayVec::new();
             let fingertip = chain.forward(&values, &mut poses);
             let links = model.links();
@@ -391,7 +399,7 @@ mod tests {
             let angles = angles_from_variables(&variables, &expected, &fixed);
             let pose = model.forward(&Estimate::new(Timestamp(0), angles));
             let target = pose.fingertip(Finger::Index).unwrap();
-            let found = solve_ik(&model, &variables, &fixed, &rest, Finger::Index, target);
+            let found = solve_ik(&model, &variables, &fixed, &rest, Joint::IndexTip, target);
             assert!(found.distance < 1e-3, "{number}: {}", found.distance);
             for (value, variable) in found.values.iter().zip(&variables) {
                 assert!((variable.range.0..=variable.range.1).contains(value));
@@ -400,12 +408,30 @@ mod tests {
     }
 
     #[test]
+    fn a_knuckle_is_moved_by_the_arm_and_not_by_its_finger() {
+        let (model, variables) = arm();
+        let fixed = JointAngles::default();
+        let rest: Vec<f64> = variables.iter().map(|variable| variable.rest).collect();
+        let knuckle = Joint::IndexPhalanxProximal;
+        let position = |values: &[f64]| {
+            let angles = angles_from_variables(&variables, values, &fixed);
+            let pose = model.forward(&Estimate::new(Timestamp(0), angles));
+            pose.position(knuckle).expect("a knuckle")
+        };
+        let target = position(&[0.7, -0.2, 0.1, 0.5, 0.5]);
+        let found = solve_ik(&model, &variables, &fixed, &rest, knuckle, target);
+        assert!(found.distance < 1e-3, "{}", found.distance);
+        assert!(position(&found.values).distance(target) < 1e-3);
+        assert_eq!(found.values[3..], rest[3..]);
+    }
+
+    #[test]
     fn a_target_out_of_reach_returns_its_distance() {
         let (model, variables) = arm();
         let fixed = JointAngles::default();
         let rest: Vec<f64> = variables.iter().map(|variable| variable.rest).collect();
         let far = Vec3::new(0.0, 0.0, -5.0);
-        let found = solve_ik(&model, &variables, &fixed, &rest, Finger::Index, far);
+        let found = solve_ik(&model, &variables, &fixed, &rest, Joint::IndexTip, far);
         assert!(found.distance > 4.0 && found.distance.is_finite());
     }
 }

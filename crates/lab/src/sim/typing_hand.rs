@@ -25,6 +25,14 @@ pub(super) const PINCH_GAP: f64 = 0.012;
 /// Number of attempts to bring thumb and index finger together.
 const PINCH_ROUNDS: usize = 60;
 
+/// Angles that move the hand as a whole.
+const CARRYING: [Dof; 5] = [
+    Dof::ShoulderZ,
+    Dof::ShoulderY,
+    Dof::ElbowFlexion,
+    Dof::WristFlexion,
+    Dof::WristDeviation,
+];
 /// Angles that move the thumb to the index finger.
 const OPPOSING: [Dof; 4] = [
     Dof::ThumbCmcAbduction,
@@ -260,7 +268,13 @@ impl TypingHand {
     ) -> f64 {
         let indices = (0..self.variables.len()).filter(|&index| self.is_used_by(effector, index));
         let free = indices.filter(|index| !locked.contains(index));
-        self.solve(effector.finger, free, tip, values)
+        self.solve(Joint::tip(effector.finger), free, tip, values)
+    }
+
+    /// Moves a joint of the palm or the wrist to `goal` (world, metres) by shoulder, elbow and wrist; the fingers stay as they are.
+    /// Returns the remaining distance in metres.
+    pub(super) fn carry(&self, joint: Joint, goal: Vec3, values: &mut [f64]) -> f64 {
+        self.solve(joint, self.indices_of(&CARRYING), goal, values)
     }
 
     /// Like [`reach`](Self::reach), with the thumb at the index finger. The index finger moves as little as possible.
@@ -328,7 +342,7 @@ impl TypingHand {
             if self.pinch_gap(values) < PINCH_GAP - 0.002 {
                 return;
             }
-            self.solve(FINGER, self.indices_of(&MEETING), goal, values);
+            self.solve(Joint::tip(FINGER), self.indices_of(&MEETING), goal, values);
             self.bring_thumb_to_index(values);
         }
     }
@@ -336,7 +350,7 @@ impl TypingHand {
     /// Moves the tip of the thumb to the index finger, which stays.
     pub(super) fn bring_thumb_to_index(&self, values: &mut [f64]) {
         if let Some(goal) = self.pinch_position(FINGER, Finger::Thumb, values) {
-            self.solve(Finger::Thumb, self.indices_of(&OPPOSING), goal, values);
+            self.solve(Joint::ThumbTip, self.indices_of(&OPPOSING), goal, values);
         }
     }
 
@@ -357,15 +371,15 @@ impl TypingHand {
         Some(tip + (other_tip - tip).normalize_or(Vec3::NEG_Y) * PINCHED)
     }
 
-    /// Moves a fingertip to `tip` with the channels `indices`. Returns the remaining distance in metres.
+    /// Moves a joint to `goal` with the channels `indices`. Returns the remaining distance in metres.
     fn solve(
         &self,
-        finger: Finger,
+        joint: Joint,
         indices: impl Iterator<Item = usize>,
-        tip: Vec3,
+        goal: Vec3,
         values: &mut [f64],
     ) -> f64 {
-        if self.resting_pose.fingertip(finger).is_none() {
+        if self.resting_pose.position(joint).is_none() {
             return f64::INFINITY;
         }
         let indices: ArrayVec<usize, MAX_IK_VARIABLES> = indices.collect();
@@ -374,7 +388,7 @@ impl TypingHand {
         let start = indices.iter().map(|&index| values[index]);
         let start: ArrayVec<f64, MAX_IK_VARIABLES> = start.collect();
         let fixed = self.angles(values);
-        let solution = solve_ik(&self.arm, &variables, &fixed, &start, finger, tip);
+        let solution = solve_ik(&self.arm, &variables, &fixed, &start, joint, goal);
         for (index, value) in indices.into_iter().zip(solution.values) {
             values[index] = value;
         }

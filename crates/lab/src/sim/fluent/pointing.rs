@@ -2,17 +2,17 @@
 
 use parry3d::math::{Vec2, Vec3};
 
-use super::hand::FluentHand;
+use super::hand::{FluentHand, STRAIGHT};
 use super::timeline::{Bump, Timeline};
 use crate::device::pointer::mode::{
-    AngleMapping, Displacement, RateControl, RayOrigin, RayPointing,
+    AngleMapping, Displacement, HandPoint, RateControl, RayOrigin, RayPointing,
 };
 use crate::device::pointer::{AnchoredFrame, ClickMethod, Gesture, PointerSettings, PointingMode};
 use crate::device::{KeyAction, KeyCode};
 use crate::hand::{Dof, Finger, Joint};
 use crate::kinematics::HandPose;
 use crate::sim::effector::Effector;
-use crate::sim::typing_hand::PINCH_GAP;
+use crate::sim::typing_hand::{PINCH_GAP, TypingHand};
 
 /// Looks at the shown hand while a person finds the middle of the range.
 const LOOKS: usize = 8;
@@ -44,9 +44,10 @@ pub struct PointingPosture {
 /// A displacement of a hand, in metres or radians from the middle.
 #[derive(Clone, Debug)]
 enum Control {
-    /// The index fingertip: its place in the middle, and the directions of the frame (world).
-    Fingertip {
-        tip: Vec3,
+    /// A point of the hand: its place in the middle, and the directions of the frame (world).
+    Point {
+        point: HandPoint,
+        middle: Vec3,
         right: Vec3,
         up: Vec3,
         forward: Vec3,
@@ -58,7 +59,7 @@ enum Control {
 /// The way to click.
 #[derive(Clone, Debug)]
 enum Click {
-    /// The fingertip goes forward, in metres.
+    /// The point goes forward, in metres.
     Push(f32),
     /// Changes of the posture that bring thumb and index finger together.
     Pinch(Vec<f64>),
@@ -80,7 +81,8 @@ impl FluentHand {
         }
         let (control, rate, probe) = match &settings.mode {
             PointingMode::Direct(direct) => {
-                (self.fingertip_at(&direct.frame, &mut base)?, None, 0.02)
+                let control = self.point_at(direct.point, &direct.frame, &mut base)?;
+                (control, None, 0.02)
             }
             PointingMode::Joint(joint) => {
                 let control = self.angles_at_middle([&joint.x, &joint.y], &mut base)?;
@@ -89,7 +91,9 @@ impl FluentHand {
             PointingMode::Ray(ray) => (self.wrist_at(ray, &mut base)?, None, 0.04),
             PointingMode::Rate(rate) => {
                 let control = match &rate.displacement {
-                    Displacement::Fingertip(frame, _) => self.fingertip_at(frame, &mut base)?,
+                    Displacement::Fingertip(frame, _) => {
+                        self.point_at(HandPoint::Index, frame, &mut base)?
+                    }
                     Displacement::Angles(x, y) => self.angles_at_middle([x, y], &mut base)?,
                     Displacement::Stick => return None,
                 };
@@ -157,14 +161,15 @@ impl FluentHand {
         let mut values = posture.base.clone();
         let hand = self.typing_hand(Finger::Index);
         match &posture.control {
-            Control::Fingertip {
-                tip,
+            Control::Point {
+                point,
+                middle,
                 right,
                 up,
                 forward: ahead,
             } => {
-                let goal = *tip + *right * by.x + *up * by.y + *ahead * forward;
-                hand.reach_with(Effector::INDEX, goal, &mut values, &[]);
+                let goal = *middle + *right * by.x + *up * by.y + *ahead * forward;
+                move_point(hand, *point, goal, &mut values);
             }
             Control::Angles(angles) => {
                 for (&(index, middle), shift) in angles.iter().zip([by.x, by.y]) {
@@ -175,20 +180,34 @@ impl FluentHand {
         values
     }
 
-    /// Finds the posture in which the shown fingertip is in the middle of a frame.
-    fn fingertip_at(&mut self, frame: &AnchoredFrame, base: &mut [f64]) -> Option<Control> {
+    /// Finds the posture in which a point of the shown hand is in the middle of a frame.
+    fn point_at(
+        &mut self,
+        point: HandPoint,
+        frame: &AnchoredFrame,
+        base: &mut [f64],
+    ) -> Option<Control> {
         let rotation = frame.anchor_from_frame.rotation;
-        let mut tip = Vec3::ZERO;
+        if point != HandPoint::Index {
+            // The arm does not stretch it, and a range at the start is placed at an open hand.
+            let hand = self.typing_hand(Finger::Index);
+            for (index, value) in hand.values_at_bend(Finger::Index, STRAIGHT) {
+                base[index] = value;
+            }
+        }
+        let mut middle = Vec3::ZERO;
         for _ in 0..LOOKS {
             let pose = self.shown(base)?;
-            let middle = frame.world_from_frame(&pose)?.translation;
-            let shown = pose.fingertip(Finger::Index)?;
+            let goal = frame.world_from_frame(&pose)?.translation;
+            let shown = pose.position(point.joint())?;
             let hand = self.typing_hand(Finger::Index);
-            tip = hand.tip_of(Finger::Index, base) + (middle - shown);
-            hand.reach_with(Effector::INDEX, tip, base, &[]);
+            let own = hand.pose(base).position(point.joint())?;
+            middle = own + (goal - shown);
+            move_point(hand, point, middle, base);
         }
-        Some(Control::Fingertip {
-            tip,
+        Some(Control::Point {
+            point,
+            middle,
             right: rotation * Vec3::X,
             up: rotation * Vec3::Y,
             forward: rotation * Vec3::NEG_Z,
@@ -245,7 +264,7 @@ impl FluentHand {
         let left = KeyAction::Key(KeyCode::MOUSE_LEFT);
         let mut clicks = settings.clicks.iter().filter(|(_, action)| *action == left);
         clicks.find_map(|(method, _)| match method {
-            ClickMethod::Push(depth) if matches!(control, Control::Fingertip { .. }) => {
+            ClickMethod::Push(depth) if matches!(control, Control::Point { .. }) => {
                 Some(Click::Push(depth + PUSH_MARGIN))
             }
             ClickMethod::Gesture(Gesture::Pinch(Finger::Index)) => {
@@ -258,6 +277,14 @@ impl FluentHand {
             _ => None,
         })
     }
+}
+
+/// Moves a point of a hand to a place (world, metres). Fingers that do not move the point stay free to pinch.
+fn move_point(hand: &TypingHand, point: HandPoint, place: Vec3, values: &mut [f64]) {
+    match point {
+        HandPoint::Index => hand.reach_with(Effector::INDEX, place, values, &[]),
+        HandPoint::Knuckle | HandPoint::Wrist => hand.carry(point.joint(), place, values),
+    };
 }
 
 /// A click takes longer than a tap on a key: nothing stops the finger ?.
