@@ -452,6 +452,10 @@ fn controls_gestures_and_chords_are_listed_below_the_boards() {
         ("phone-pad", "one of ABC2"),
         ("phone-pad", "one of .,-/="),
         ("direct", "index fingertip in a box of 200 × 120 × 160 mm,"),
+        (
+            "webcam-mouse",
+            "index knuckle in a box of 640 × 360 × 600 mm,",
+        ),
         ("ray", "middle pinch          right mouse button"),
         ("space", "Door   box 60 × 40 × 30 mm at (160, 50, -320) mm"),
         ("switches", "F                      held for 250 ms: Ctrl"),

@@ -59,12 +59,16 @@ def hand(curl, pinch, index_bend=8.0):
     return [(0.0, 0.0, 0.0), *thumb, *fingers["index"], *fingers["middle"], *fingers["ring"], *fingers["little"]]
 
 
-def placed(landmarks, turn, tip):
-    """Turns a hand that points up and shows its palm to the camera forwards by `turn` degrees, with its index fingertip at `tip`."""
+# The landmarks of the index finger that a film moves.
+KNUCKLE, TIP = 5, 8
+
+
+def placed(landmarks, turn, place, point):
+    """Turns a hand that points up and shows its palm to the camera forwards by `turn` degrees, with the landmark `point` at `place`."""
     sin, cos = math.sin(math.radians(turn)), math.cos(math.radians(turn))
     # To the right, up and towards the person, who looks at the camera.
     turned = [(side, along * cos + out * sin, out * cos - along * sin) for side, along, out in landmarks]
-    offset = [goal - own for goal, own in zip(tip, turned[8])]
+    offset = [goal - own for goal, own in zip(place, turned[point])]
     return [tuple(a + b for a, b in zip(point, offset)) for point in turned]
 
 
@@ -79,19 +83,20 @@ def sample(points, noise):
 
 
 class Film:
-    def __init__(self, turn, tip):
-        self.turn, self.tip, self.state, self.samples = turn, tip, (0.0, 0.0, 8.0), []
+    def __init__(self, turn, place, point=TIP):
+        self.turn, self.place, self.point, self.state, self.samples = turn, place, point, (0.0, 0.0, 8.0), []
         self.noise = random.Random(7)
 
-    def go(self, seconds, tip=None, state=None):
-        """Moves smoothly to a place of the index fingertip and a posture (curl, pinch, bend of the index finger)."""
-        tip, state = tip or self.tip, state or self.state
+    def go(self, seconds, place=None, state=None):
+        """Moves smoothly to a place of the landmark and a posture (curl, pinch, bend of the index finger)."""
+        place, state = place or self.place, state or self.state
         count = max(1, round(seconds * RATE_HZ))
         for number in range(1, count + 1):
             fraction = 0.5 - 0.5 * math.cos(math.pi * number / count)
             points = hand(*between(self.state, state, fraction))
-            self.samples.append(sample(placed(points, self.turn, between(self.tip, tip, fraction)), self.noise))
-        self.tip, self.state = tip, state
+            at = between(self.place, place, fraction)
+            self.samples.append(sample(placed(points, self.turn, at, self.point), self.noise))
+        self.place, self.state = place, state
 
     def hide(self, seconds):
         self.samples += [{}] * round(seconds * RATE_HZ)
@@ -100,14 +105,15 @@ class Film:
         print(json.dumps({"image_size": SIZE, "samples": self.samples}))
 
 
-def moved(tip, x=0.0, y=0.0, z=0.0):
-    return (tip[0] + x, tip[1] + y, tip[2] + z)
+def moved(place, x=0.0, y=0.0, z=0.0):
+    return (place[0] + x, place[1] + y, place[2] + z)
 
 
 def mouse():
-    film = Film(10, (0.02, 0.05, 0.5))
+    # The palm rests while the fingers pinch and close.
+    film = Film(10, (0.02, -0.01, 0.5), KNUCKLE)
     film.go(3.5)
-    film.go(1.0, moved(film.tip, x=0.12))
+    film.go(1.0, moved(film.place, x=0.12))
     film.go(0.6)
     for _ in range(2):
         film.go(0.4, state=(0.0, 1.0, 8.0))
@@ -116,13 +122,13 @@ def mouse():
         film.go(0.6)
     film.go(0.4, state=(0.0, 1.0, 8.0))
     film.go(0.3)
-    film.go(0.8, moved(film.tip, y=-0.08))
+    film.go(0.8, moved(film.place, y=-0.08))
     film.go(0.4, state=(0.0, 0.0, 8.0))
     film.go(0.6)
     # A fist, the way back, and the hand leaves the picture.
     film.go(0.4, state=(1.0, 0.0, 80.0))
     film.go(0.3)
-    film.go(0.8, moved(film.tip, x=-0.15))
+    film.go(0.8, moved(film.place, x=-0.15))
     film.hide(0.7)
     film.go(0.5, state=(0.0, 0.0, 8.0))
     film.print()
@@ -131,7 +137,7 @@ def mouse():
 def typed(places):
     tilt, bearing = math.radians(25), math.radians(10)
     film = Film(100, (0.0, 0.02, 0.5))
-    start = film.tip
+    start = film.place
     film.go(3.5)
     for place in places:
         x, y = (float(number) / 1000 for number in place.split(","))
@@ -156,8 +162,8 @@ def away():
     film = Film(10, (0.02, 0.05, 0.5))
     film.go(1.5)
     for _ in range(8):
-        film.go(0.5, moved(film.tip, x=0.08))
-        film.go(0.5, moved(film.tip, x=-0.08))
+        film.go(0.5, moved(film.place, x=0.08))
+        film.go(0.5, moved(film.place, x=-0.08))
     film.print()
 
 

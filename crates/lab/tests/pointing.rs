@@ -20,12 +20,24 @@ fn a_person_without_errors_clicks_on_wide_targets_with_every_pointer() {
         println!("{layout}: {pointing:?}");
         let wide = &pointing.series[0];
         assert_eq!(wide.given_up, 0, "{layout}: {wide:?}");
-        // A pinch takes the cursor of a webcam along.
-        assert!(wide.result.misses <= 3, "{layout}: {wide:?}");
+        assert!(wide.result.misses <= 2, "{layout}: {wide:?}");
         // Without scatter the effective width comes from the pointer alone.
         assert!(wide.result.throughput > 1.0, "{layout}: {wide:?}");
         let way = wide.result.path_efficiency;
         assert!(way > 0.5, "{layout}: {wide:?}");
+    }
+}
+
+#[test]
+fn a_pinch_does_not_take_the_cursor_of_a_webcam_along() {
+    let scores = Run::new("webcam-mouse").of(&[steady(&["index"])], SourceKind::Ideal);
+    let pointing = scores[0].pointing.as_ref().expect("it points");
+    for series in &pointing.series {
+        println!("{series:?}");
+        assert!(series.slips <= 3, "{series:?}");
+        // The cursor still settles. A fingertip would take it along by some 30 px.
+        let settling = 5.0 + series.width_px / 10.0;
+        assert!(series.slip_px < settling, "{series:?}");
     }
 }
 
