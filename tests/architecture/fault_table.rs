@@ -1,23 +1,7 @@
 //! The table of faults, in the order of their numbers.
 
-use crate::evidence::Evidence;
-
-/// An event that goes wrong.
-pub struct Fault {
-    pub number: u8,
-    pub name: &'static str,
-    pub coverage: Coverage,
-}
-
-/// The evidence that a fault ends as it should.
-pub enum Coverage {
-    /// These tests.
-    Tests(&'static [Evidence]),
-    /// None yet, for this reason.
-    Missing(&'static str),
-}
-
-use Coverage::{Missing, Tests};
+use crate::evidence::Coverage::{Missing, Tests};
+use crate::evidence::{Row, row as fault};
 
 const CHARACTERS: &str = "tests/outputs/x11/characters.rs";
 const FLOODS: &str = "tests/cli/share/floods.rs";
@@ -27,27 +11,9 @@ const NETWORK: &str = "tests/cli/network.rs";
 const BURSTS: &str = "crates/runtime/src/output/desktop/tests/bursts.rs";
 const STRANGERS: &str = "tests/cli/security/strangers.rs";
 
-const fn fault(number: u8, name: &'static str, coverage: Coverage) -> Fault {
-    Fault {
-        number,
-        name,
-        coverage,
-    }
-}
-
-/// The numbers of the covered faults. Removing one is a regression.
-#[rustfmt::skip]
-pub const COVERED: &[u8] = &[
-    1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26,
-    27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
-    50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75, 76, 77, 78,
-    79, 80, 81, 82, 83, 84, 85, 86, 87, 88, 89, 90, 91, 92, 93, 94, 95, 96, 97, 98, 99, 100, 101, 102, 103, 104, 105, 106,
-    107, 108, 109, 110,
-];
-
 /// The faults, in the order of their numbers.
 #[rustfmt::skip]
-pub const FAULTS: &[Fault] = &[
+pub const FAULTS: &[Row] = &[
     // Capture, serial.
     fault(1, "port absent at start", Tests(&[
         ("tests/cli/wrong_use.rs", "invalid_sources_are_refused_with_a_remedy"),
@@ -235,7 +201,7 @@ pub const FAULTS: &[Fault] = &[
         ("crates/runtime/src/capture/packet_clock.rs", "packets_of_one_read_are_dated_back_by_the_bytes_after_them"),
     ])),
     fault(36, "the wall clock is set back", Tests(&[
-        ("tests/architecture.rs", "nothing_depends_on_the_wall_clock"),
+        ("tests/architecture/main.rs", "nothing_depends_on_the_wall_clock"),
     ])),
     fault(37, "a damaged recording", Tests(&[
         ("tests/cli/faults/files.rs", "a_damaged_recording_is_played_up_to_the_damage_releases_everything_and_ends_with_3"),
@@ -296,7 +262,7 @@ pub const FAULTS: &[Fault] = &[
     fault(48, "a panic while panicking, a poisoned lock", Tests(&[
         ("tests/outputs/x11/watchdog.rs", "all_keys_are_released_after_an_abort"),
         ("tests/outputs/x11/watchdog.rs", "all_keys_are_released_after_a_crash"),
-        ("tests/architecture.rs", "a_poisoned_lock_is_used_all_the_same"),
+        ("tests/architecture/main.rs", "a_poisoned_lock_is_used_all_the_same"),
     ])),
     fault(49, "termination signals, and a second Ctrl-C", Tests(&[
         ("tests/outputs/x11/ends.rs", "all_keys_are_released_after_ctrl_c"),
@@ -534,7 +500,7 @@ pub const FAULTS: &[Fault] = &[
         (FORGED, "pictures_of_a_layout_contain_no_character_that_reverses_text"),
         (FORGED, "a_session_prints_names_of_its_layouts_and_profiles_escaped"),
         (FORGED, "a_recording_prints_names_of_its_layouts_escaped"),
-        ("tests/architecture.rs", "a_path_becomes_part_of_a_message_by_being_escaped"),
+        ("tests/architecture/main.rs", "a_path_becomes_part_of_a_message_by_being_escaped"),
     ])),
     fault(88, "a recording states the packet period of a run", Tests(&[
         ("tests/cli/determinism/gap.rs", "a_run_of_a_recording_keeps_the_stall_limit_of_the_setup_whatever_period_the_recording_states"),

@@ -1,31 +1,7 @@
 //! The table of security requirements.
 
-use crate::evidence::Evidence;
-
-/// The degree to which a requirement is met.
-pub enum Status {
-    /// Met, as these tests show.
-    Met(&'static [Evidence]),
-    /// Met with this exception, as these tests show.
-    Partly(&'static [Evidence], &'static str),
-    /// The requirement is about a feature that does not exist.
-    NotApplicable(&'static str),
-}
-
-/// A security requirement.
-pub struct Requirement {
-    pub number: usize,
-    pub name: &'static str,
-    pub status: Status,
-}
-
-const fn requirement(number: usize, name: &'static str, status: Status) -> Requirement {
-    Requirement {
-        number,
-        name,
-        status,
-    }
-}
+use crate::evidence::Coverage::{Missing, Partly, Tests};
+use crate::evidence::{Row, row as requirement};
 
 const GATEKEEPER_TESTS: &str = "crates/runtime/src/network/secure/gatekeeper/tests.rs";
 const TOKEN_TESTS: &str = "crates/runtime/src/network/secure/tokens/tests.rs";
@@ -34,11 +10,11 @@ const NETWORK_TESTS: &str = "tests/cli/network.rs";
 const LAN_TESTS: &str = "tests/cli/web/lan.rs";
 const FUZZING: &str = "tests/fuzzing/main.rs";
 
-pub const REQUIREMENTS: &[Requirement] = &[
+pub const REQUIREMENTS: &[Row] = &[
     requirement(
         1,
         "nothing listens beyond this machine without TLS and a token",
-        Status::Met(&[
+        Tests(&[
             (
                 "tests/cli/security/sockets.rs",
                 "a_session_with_all_features_opens_no_network_socket",
@@ -64,7 +40,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         2,
         "senders of input authenticate themselves",
-        Status::Partly(
+        Partly(
             &[
                 (
                     GATEKEEPER_TESTS,
@@ -97,12 +73,12 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         3,
         "datagrams are signed and numbered",
-        Status::NotApplicable("no datagrams of other machines are received"),
+        Missing("no datagrams of other machines are received"),
     ),
     requirement(
         4,
         "what leaves the machine is encrypted",
-        Status::Partly(
+        Partly(
             &[
                 (
                     GATEKEEPER_TESTS,
@@ -123,7 +99,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         5,
         "no web page reaches a port",
-        Status::Met(&[
+        Tests(&[
             (
                 "crates/runtime/src/share/hub/tests.rs",
                 "a_client_that_sends_is_disconnected",
@@ -165,7 +141,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         6,
         "a joint-angle server is read-only",
-        Status::Met(&[
+        Tests(&[
             (
                 "crates/runtime/src/share/hub/tests.rs",
                 "a_client_that_sends_is_disconnected",
@@ -183,7 +159,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         7,
         "sources have roles",
-        Status::Met(&[
+        Tests(&[
             (
                 "crates/core/src/pipeline/output_gate/tests.rs",
                 "a_pointer_source_presses_no_keys_and_a_key_source_does_not_point",
@@ -229,7 +205,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         8,
         "only keys of the layout, and no system keys",
-        Status::Met(&[
+        Tests(&[
             (
                 "tests/pipeline/limits.rs",
                 "system_keys_need_the_permission_of_the_setup",
@@ -251,7 +227,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         9,
         "presses are rate-limited, and too many pause the session",
-        Status::Met(&[
+        Tests(&[
             (
                 "tests/pipeline/limits.rs",
                 "presses_beyond_the_rate_limit_release_everything_and_pause",
@@ -269,7 +245,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         10,
         "guessing a secret is slow",
-        Status::Met(&[
+        Tests(&[
             (
                 GATEKEEPER_TESTS,
                 "a_thousand_wrong_tokens_are_five_checks_and_another_address_is_served",
@@ -295,7 +271,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         11,
         "five ways to stop immediately",
-        Status::Partly(
+        Partly(
             &[
                 (
                     "tests/outputs/vm/typing.rs",
@@ -332,7 +308,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         12,
         "a session starts unarmed, and reports when it is armed",
-        Status::Met(&[
+        Tests(&[
             (
                 "tests/pipeline/arming.rs",
                 "output_is_armed_after_the_hand_has_been_clear_of_every_key_for_300_ms",
@@ -346,13 +322,13 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         13,
         "no root, and a dedicated group",
-        Status::Met(&[
+        Tests(&[
             (
                 "tests/cli/doctor.rs",
                 "root_is_refused_without_allow_root_but_may_use_other_commands",
             ),
             (
-                "tests/architecture/security_sources.rs",
+                "tests/architecture/packages.rs",
                 "the_udev_rules_give_uinput_to_its_own_group_or_the_seat_and_never_to_input",
             ),
         ]),
@@ -360,7 +336,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         14,
         "only its user can use the control socket",
-        Status::Met(&[
+        Tests(&[
             (
                 "tests/cli/control.rs",
                 "the_socket_is_private_from_its_creation_on",
@@ -382,12 +358,12 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         15,
         "a D-Bus interface fails closed",
-        Status::Met(&[("tests/outputs/tray/mod.rs", "the_menu_refuses_another_user")]),
+        Tests(&[("tests/outputs/tray/mod.rs", "the_menu_refuses_another_user")]),
     ),
     requirement(
         16,
         "the systemd unit is a sandbox",
-        Status::Partly(
+        Partly(
             &[(
                 "tests/cli/doctor.rs",
                 "the_unit_the_launcher_and_the_rules_pass_their_validators",
@@ -398,13 +374,13 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         17,
         "files start no program and follow no path",
-        Status::Met(&[
+        Tests(&[
             (
-                "tests/architecture/security_sources.rs",
+                "tests/architecture/main.rs",
                 "only_the_watchdog_and_its_call_of_systemd_are_ever_started",
             ),
             (
-                "tests/architecture/security_sources.rs",
+                "tests/architecture/main.rs",
                 "no_file_of_a_user_reads_the_environment",
             ),
         ]),
@@ -412,7 +388,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         18,
         "typed text is in no message, and recordings are private",
-        Status::Met(&[
+        Tests(&[
             ("tests/cli/files.rs", "messages_do_not_contain_typed_text"),
             (
                 "tests/cli/practice.rs",
@@ -435,7 +411,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         19,
         "files with secrets are private",
-        Status::Met(&[
+        Tests(&[
             (TOKEN_TESTS, "files_that_others_can_read_are_refused"),
             (FUZZING, "tokens_are_read_or_refused"),
             (
@@ -455,7 +431,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         20,
         "a replay types only on request",
-        Status::Met(&[
+        Tests(&[
             (
                 "tests/cli/security/replays.rs",
                 "a_replay_presses_nothing_unless_the_output_desktop_is_named",
@@ -469,9 +445,9 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         21,
         "all dependencies are known",
-        Status::Partly(
+        Partly(
             &[(
-                "tests/architecture/security_sources.rs",
+                "tests/architecture/packages.rs",
                 "all_dependencies_come_from_the_registry_with_a_checksum",
             )],
             "the tests have no network and check no advisories",
@@ -480,8 +456,8 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         22,
         "memory is safe",
-        Status::Met(&[(
-            "tests/architecture/security_sources.rs",
+        Tests(&[(
+            "tests/architecture/main.rs",
             "the_program_contains_no_unsafe_code_but_what_is_listed",
         )]),
     ),

@@ -1,53 +1,32 @@
 //! The sources of the crates, as far as they are shipped.
 
 use std::fs;
-use std::path::Path;
+use std::sync::LazyLock;
 
-use crate::security::{files, root};
-
-/// The folders of the program and of the crates that may wait, and what stands before the names of their files.
-const PROGRAM: [(&str, &str); 3] = [
-    ("src", ""),
-    ("crates/runtime/src", ""),
-    ("crates/studio/src", "studio/"),
-];
-
-/// The folder of the stages.
-pub const CORE: &str = "crates/core/src";
-
-/// Returns the modules that the library in a folder declares, in their order.
-pub fn modules(folder: &str) -> Vec<String> {
-    let library = fs::read_to_string(root().join(folder).join("lib.rs")).expect("a library");
-    let lines = library.lines();
-    lines
-        .filter_map(|line| Some(line.strip_prefix("pub mod ")?.strip_suffix(';')?.to_owned()))
-        .collect()
-}
-
-/// Returns the path below a folder and the code of each source file: without comments, unit tests and white space.
-pub fn shipped(folder: &str) -> Vec<(String, String)> {
-    let folder = root().join(folder);
-    let found = files(&folder, ".rs");
-    assert!(found.len() > 100, "only {} files were found", found.len());
+/// The path of each source file in its order, and the code: without comments, unit tests and white space.
+pub static SHIPPED: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
+    let mut found = Vec::new();
+    add_files("src", &mut found);
+    add_files("crates", &mut found);
+    assert!(found.len() > 1000, "only {} files were found", found.len());
+    found.sort();
     found
-        .into_iter()
-        .map(|(path, text)| (name(&folder, &path), without_tests(&text)))
-        .filter(|(name, _)| !name.ends_with("tests.rs") && !name.contains("/tests/"))
-        .collect()
-}
+});
 
-/// Returns the same for all files of the program, without the core and the lab: `bin/…`, `session/…`, `studio/…`.
-pub fn program() -> Vec<(String, String)> {
-    let files = PROGRAM.into_iter().flat_map(|(folder, prefix)| {
-        let named = move |(name, code)| (format!("{prefix}{name}"), code);
-        shipped(folder).into_iter().map(named)
-    });
-    files.collect()
-}
-
-fn name(folder: &Path, path: &Path) -> String {
-    let path = path.strip_prefix(folder).expect("a path below the folder");
-    path.to_string_lossy().into_owned()
+fn add_files(folder: &str, found: &mut Vec<(String, String)>) {
+    for entry in fs::read_dir(folder).expect("a folder").flatten() {
+        let name = format!("{folder}/{}", entry.file_name().to_string_lossy());
+        let unshipped = ["/benches", "/examples", "/tests", "tests.rs"];
+        if unshipped.iter().any(|end| name.ends_with(end)) {
+            continue;
+        }
+        if entry.path().is_dir() {
+            add_files(&name, found);
+        } else if name.ends_with(".rs") {
+            let text = fs::read_to_string(&name).expect("a text file");
+            found.push((name, without_tests(&text)));
+        }
+    }
 }
 
 /// Unit tests stand at the end of a file.
