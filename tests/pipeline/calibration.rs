@@ -17,9 +17,11 @@ use ademan::hand::{Dof, JointAngles, Side};
 use ademan::layout::{Glove, write_calibration};
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};
 use ademan::sim::{
-    GloveFault, HandAction, SightedTypist, SimulatedWearer, UsTextField, error_rate, taps_for_text,
+    GloveFault, HandAction, SimulatedWearer, UsTextField, error_rate, taps_for_text,
 };
 use ademan::time::Timestamp;
+
+use crate::sighted_typist::SightedTypist;
 
 /// The text of the demo.
 const TEXT: &str = "Hola! Typed by a hand, 1 tap each.";

@@ -8,13 +8,12 @@ use ademan::hand::{Dof, JointAngles};
 use ademan::layout::write_calibration;
 use ademan::pipeline::{CommandError, PipelineState};
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};
-use ademan::sim::{
-    HandAction, SightedTypist, SimulatedWearer, UsTextField, error_rate, taps_for_text,
-};
+use ademan::sim::{HandAction, SimulatedWearer, UsTextField, error_rate, taps_for_text};
 use ademan::time::Timestamp;
 
 use crate::calibration::{calibrate, person};
 use crate::key_words::push_key_words;
+use crate::sighted_typist::SightedTypist;
 use crate::support::checked::CheckedPipeline;
 use crate::support::press::{Posture, Press, reading};
 

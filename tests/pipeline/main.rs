@@ -39,6 +39,7 @@ mod recorded_landmarks;
 mod rig;
 mod scenarios;
 mod scripts;
+mod sighted_typist;
 mod start;
 mod stops;
 mod swipes;

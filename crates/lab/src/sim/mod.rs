@@ -60,6 +60,4 @@ pub use text_plan::{PlanError, actions_for_text, backspace_of, taps_for_text};
 pub use tour::{TourStop, aimed_tour, tour, tour_text};
 pub use typing_hand::{REACH_TOLERANCE, TypingHand};
 pub use typist::{SimulatedTypist, TypistError};
-pub use wearer::{
-    GloveFault, GloveSensors, HomeMadeGlove, SensorErrors, SightedTypist, SimulatedWearer,
-};
+pub use wearer::{GloveFault, GloveSensors, HomeMadeGlove, SensorErrors, SimulatedWearer};

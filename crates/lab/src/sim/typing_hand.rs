@@ -237,11 +237,6 @@ impl TypingHand {
         self.placed(angles)
     }
 
-    /// Returns the index fingertip in a posture (world, metres); the origin if the arm has none.
-    pub(super) fn tip(&self, values: &[f64]) -> Vec3 {
-        self.tip_of(FINGER, values)
-    }
-
     /// Returns a fingertip in a posture (world, metres); the origin if the arm has none.
     pub(super) fn tip_of(&self, finger: Finger, values: &[f64]) -> Vec3 {
         self.pose(values).fingertip(finger).unwrap_or_default()

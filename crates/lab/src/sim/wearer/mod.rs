@@ -2,18 +2,15 @@
 //!
 //! The [`SimulatedWearer`] takes calibration poses as far as its own joints go, and its [`GloveSensors`] answer with gains,
 //! offsets, curvature, cross-talk and noise of their own. Neither uses the angles and deviations that the calibration expects.
-//! The [`SightedTypist`] types with such a glove: it sees the hand of the program on the board and corrects its own.
 
 mod habits;
 mod home_made;
 mod sensor_errors;
 mod sensors;
-mod sighted_typist;
 
 pub use home_made::HomeMadeGlove;
 pub use sensor_errors::SensorErrors;
 pub use sensors::{GloveFault, GloveSensors};
-pub use sighted_typist::SightedTypist;
 
 use self::habits::Habits;
 use self::home_made::HomeMadeSensors;
@@ -179,7 +176,7 @@ impl SimulatedWearer {
     }
 
     /// Returns the next reading of the glove at these angles.
-    pub(super) fn send(&mut self, angles: &JointAngles) -> Reading {
+    pub fn send(&mut self, angles: &JointAngles) -> Reading {
         let time = self.advance();
         Reading::new(time, None, Sample::Channels(self.read(angles)))
     }

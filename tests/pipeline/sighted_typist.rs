@@ -1,22 +1,21 @@
 //! A typist who looks at the screen.
 
-use parry3d::math::Vec3;
-
-use super::SimulatedWearer;
-use crate::capture::Reading;
-use crate::contact::TargetId;
-use crate::contact::surface::Scene;
-use crate::estimate::{ChannelMap, Estimate, JointAngles, JointLimits};
-use crate::hand::Finger;
-use crate::kinematics::ArmModel;
-use crate::sim::action::TargetPoint;
-use crate::sim::movement::minimum_jerk;
-use crate::sim::reach_target::ReachTarget;
-use crate::sim::typing_hand::TypingHand;
-use crate::time::Timestamp;
+use ademan::capture::Reading;
+use ademan::contact::TargetId;
+use ademan::contact::surface::Scene;
+use ademan::estimate::{ChannelMap, Estimate, JointAngles, JointLimits};
+use ademan::hand::Finger;
+use ademan::kinematics::{ArmModel, HandPose};
+use ademan::sim::{SimulatedWearer, TypingHand};
+use ademan::time::Timestamp;
+use parry3d::math::{Pose, Vec3};
 
 /// The height above a key's front at which a fingertip arrives, in metres: a finger moves to another key in an arc.
 const ARRIVAL: f32 = 0.03;
+/// The height above a key's front before a press, in metres.
+const HOVER: f32 = 0.014;
+/// The distance beyond the travel of a key to which a finger presses it, in metres.
+const OVERTRAVEL: f32 = 0.002;
 /// The depth beyond the travel of a key at which it is seen to be down, in metres.
 const DOWN: f32 = 0.001;
 /// The distance of the seen fingertip from its goal that needs no correction, in metres.
@@ -46,11 +45,30 @@ pub struct SightedTypist<'a> {
     readings: Vec<Reading>,
 }
 
+/// A key as the program shows it.
+struct Key {
+    world_from_target: Pose,
+    travel: f32,
+    tip_radius: f32,
+}
+
+impl Key {
+    /// Returns the center of the fingertip (world, metres) whose pad is at a height above the front.
+    fn tip(&self, height: f32) -> Vec3 {
+        self.world_from_target * (Vec3::Z * (height + self.tip_radius))
+    }
+
+    /// Returns the height of the pad above the front for a center of the fingertip (world, metres).
+    fn height(&self, tip: Vec3) -> f32 {
+        self.world_from_target.inverse_transform_point(tip).z - self.tip_radius
+    }
+}
+
 /// The hand as the program shows it.
 struct SeenHand<'a> {
     arm: &'a ArmModel,
     map: &'a ChannelMap,
-    at_rest: TypingHand,
+    resting_pose: HandPose,
 }
 
 impl SeenHand<'_> {
@@ -82,13 +100,14 @@ impl<'a> SightedTypist<'a> {
         corrections: usize,
     ) -> Self {
         let hand = TypingHand::without_glove(wearer.arm());
+        let at_rest = TypingHand::new(arm, map);
         Self {
             values: hand.rest_values(),
             hand,
             seen: SeenHand {
                 arm,
                 map,
-                at_rest: TypingHand::new(arm, map),
+                resting_pose: at_rest.pose(&at_rest.rest_values()),
             },
             wearer,
             scene,
@@ -101,35 +120,41 @@ impl<'a> SightedTypist<'a> {
     /// Returns the readings of a hand that taps these targets. Targets that the scene lacks are left out.
     pub fn tap_all(mut self, targets: &[TargetId]) -> Vec<Reading> {
         for (index, &target) in targets.iter().enumerate() {
-            let Some(reach) = self.seen.at_rest.reach_target(self.scene, target) else {
+            let Some(key) = self.key(target) else {
                 continue;
             };
-            let point = TargetPoint {
-                target,
-                offset: Default::default(),
-            };
-            self.tap(&reach, point);
+            self.tap(&key);
             if index == 0 {
-                self.rest();
-                self.tap(&reach, point);
+                self.wait(CLEAR_PACKETS);
+                self.tap(&key);
             }
         }
-        self.rest();
+        self.wait(CLEAR_PACKETS);
         self.readings
     }
 
-    fn tap(&mut self, reach: &ReachTarget, point: TargetPoint) {
+    fn key(&self, target: TargetId) -> Option<Key> {
+        let (surface, target) = self.scene.target(target)?;
+        let resting = &self.seen.resting_pose;
+        Some(Key {
+            world_from_target: surface.world_from_surface(resting)? * target.surface_from_target,
+            travel: target.travel,
+            tip_radius: resting.tip_radius,
+        })
+    }
+
+    fn tap(&mut self, key: &Key) {
         let is_first = self.readings.is_empty();
-        let arrival = reach.tip_position(point, ARRIVAL);
+        let arrival = key.tip(ARRIVAL);
         self.go_to(arrival, TRAVEL_PACKETS);
         self.correct(arrival);
         if is_first {
             return;
         }
-        let above = reach.tip_position(point, reach.hover_height);
+        let above = key.tip(HOVER);
         self.go_to(above, SHORT_PACKETS);
         self.correct(above);
-        self.press(reach, point);
+        self.press(key);
         self.go_to(arrival, SHORT_PACKETS);
     }
 
@@ -146,14 +171,14 @@ impl<'a> SightedTypist<'a> {
     }
 
     /// Presses a key until it is seen to be down, or until the corrections are used up.
-    fn press(&mut self, reach: &ReachTarget, point: TargetPoint) {
-        let below = reach.tip_position(point, reach.bottom_height);
+    fn press(&mut self, key: &Key) {
+        let below = key.tip(-key.travel - OVERTRAVEL);
         self.go_to(below, SHORT_PACKETS);
         for _ in 0..self.corrections {
             self.wait(SEE_PACKETS);
             let is_down = self
                 .look()
-                .is_none_or(|seen| reach.pad_position(seen).z <= -reach.travel - DOWN);
+                .is_none_or(|seen| key.height(seen) <= -key.travel - DOWN);
             if is_down {
                 return;
             }
@@ -166,16 +191,24 @@ impl<'a> SightedTypist<'a> {
     fn look(&mut self) -> Option<Vec3> {
         let angles = self.hand.angles(&self.values);
         let seen = self.seen.tip(self.wearer, &angles)?;
-        self.difference = seen - self.hand.tip(&self.values);
+        self.difference = seen - self.own_tip();
         Some(seen)
+    }
+
+    /// Returns the own fingertip (world, metres).
+    fn own_tip(&self) -> Vec3 {
+        let pose = self.hand.pose(&self.values);
+        pose.fingertip(Finger::Index).expect("an index finger")
     }
 
     /// Moves the own fingertip on a line to the place where it should be seen at `goal`.
     fn go_to(&mut self, goal: Vec3, packets: u32) {
-        let start = self.hand.tip(&self.values);
+        let start = self.own_tip();
         let end = goal - self.difference;
         for packet in 1..=packets {
-            let t = minimum_jerk(packet as f32 / packets as f32);
+            let time = packet as f32 / packets as f32;
+            // Minimum jerk (Flash & Hogan 1985).
+            let t = time.powi(3) * (10.0 + time * (-15.0 + 6.0 * time));
             self.hand.reach(start.lerp(end, t), &mut self.values, &[]);
             self.send();
         }
@@ -185,10 +218,6 @@ impl<'a> SightedTypist<'a> {
         for _ in 0..packets {
             self.send();
         }
-    }
-
-    fn rest(&mut self) {
-        self.wait(CLEAR_PACKETS);
     }
 
     fn send(&mut self) {
