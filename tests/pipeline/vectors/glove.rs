@@ -3,7 +3,6 @@ use ademan::capture::protocol::Decoder;
 use ademan::capture::{Channels, Reading, Sample};
 use ademan::estimate::{
     AffineMap, ChannelMap, Estimate, Estimator, EstimatorSettings, JointAngles, Smoothing,
-    divider_resistance,
 };
 use ademan::files::Load;
 use ademan::hand::{Dof, Finger, Joint};
@@ -136,7 +135,7 @@ pub fn pipeline(file: &Value) -> usize {
         as_coded(case, &file["tolerance"]);
         cases += list(&case["frames"]).len();
     }
-    cases + linear(file) + fit(file) + divider(file)
+    cases + linear(file) + fit(file)
 }
 
 /// Checks the corrected filters. Each row has its own estimator, because several rows share an angle.
@@ -253,22 +252,6 @@ fn fit(file: &Value) -> usize {
         let map = fitted.expect("poses with a solution");
         assert_close(map.gain, number(&case["factor"]), tolerance, "fit");
         assert_close(map.offset, number(&case["offset"]), tolerance, "fit");
-    }
-    cases.len()
-}
-
-fn divider(file: &Value) -> usize {
-    let tolerance = number(&file["tolerance"]["divider"]);
-    let cases = list(&file["divider"]);
-    for case in cases {
-        let value = |name: &str| number(&case[name]);
-        let ours = divider_resistance(value("r1_kohm"), value("supply_volt"), value("vx_volt"));
-        assert_close(
-            ours,
-            value("r2_kohm"),
-            tolerance.max(1e-9 * ours),
-            "divider",
-        );
     }
     cases.len()
 }

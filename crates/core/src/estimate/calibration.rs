@@ -83,15 +83,6 @@ pub struct FitError {
     pub poses: usize,
 }
 
-/// Returns the resistance of a bend sensor from the voltage of its divider, in the unit of `fixed_resistance`.
-///
-/// The sensor R2 lies between the tap and ground, the fixed resistor R1 between the supply and the tap:
-/// R2 = R1 · Vx / (V − Vx). The result is infinite or negative if the tap is at or above the supply voltage, as with a
-/// broken wire.
-pub fn divider_resistance(fixed_resistance: f64, supply_volt: f64, tap_volt: f64) -> f64 {
-    fixed_resistance * tap_volt / (supply_volt - tap_volt)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -26,7 +26,7 @@ mod zero;
 
 pub use bend::{BendRanges, FingerBends};
 pub use bone_angles::{angles_from_bones, bones_from_angles};
-pub use calibration::{AffineMap, CountRange, FitError, divider_resistance};
+pub use calibration::{AffineMap, CountRange, FitError};
 pub(crate) use channel_map::channels_of;
 pub use channel_map::{ChannelMap, ChannelRow, InputRow, MAX_CURVATURE, MAX_HYSTERESIS, MAX_ROWS};
 pub use estimator::Estimator;
