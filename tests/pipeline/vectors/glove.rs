@@ -1,6 +1,7 @@
 use ademan::capture::hc11::{Framing, Hc11Decoder, body};
 use ademan::capture::protocol::Decoder;
 use ademan::capture::{Channels, Reading, Sample};
+use ademan::document::Document;
 use ademan::estimate::{
     AffineMap, ChannelMap, Estimate, Estimator, EstimatorSettings, JointAngles, Smoothing,
 };
@@ -17,8 +18,16 @@ use super::check::{assert_close, bytes, list, number, numbers, text};
 /// The rounding error of `f32` kinematics in centimetres: 1 µm per metre, for an arm of 57 cm.
 const F32_CM: f64 = 0.57e-4;
 
-fn glove() -> Glove {
-    Glove::load("unam-hc11").expect("the shipped glove loads")
+/// Returns the map of the shipped glove with its disabled rows.
+fn full_map() -> ChannelMap {
+    let shipped = Document::shipped("unam-hc11").expect("the shipped glove");
+    let lines = shipped.text.lines().map(|line| {
+        let is_disabled = line.trim_start().starts_with("disabled:");
+        if is_disabled { ")," } else { line }
+    });
+    let text = lines.collect::<Vec<_>>().join("\n");
+    let glove = Glove::parse(&Document::new("enabled.ron", text));
+    glove.expect("a glove without disabled rows").map
 }
 
 /// Returns the shipped arm in its own frame instead of the world's.
@@ -70,10 +79,10 @@ pub fn channels(file: &Value) -> usize {
         assert_eq!(8.0 * step + port, number(&row["wire_index"]));
         assert_eq!(8.0 * port + step + 1.0, number(&row["sensor_number"]));
     }
-    let (glove, arm) = (glove(), arm());
+    let (map, arm) = (full_map(), arm());
     let elements = list(&file["elements"]);
-    assert_eq!(glove.full_map.rows().len(), elements.len());
-    for (row, element) in glove.full_map.rows().iter().zip(elements) {
+    assert_eq!(map.rows().len(), elements.len());
+    for (row, element) in map.rows().iter().zip(elements) {
         let label = element["label"].as_str().unwrap_or("");
         assert_eq!(row.label, label);
         assert_eq!(row.dof, dof_of(&arm, text(&element["link"])), "{label}");
@@ -141,7 +150,7 @@ pub fn pipeline(file: &Value) -> usize {
 /// Checks the corrected filters. Each row has its own estimator, because several rows share an angle.
 fn corrected(case: &Value, tolerance: f64) {
     let name = text(&case["name"]);
-    for (index, row) in glove().full_map.rows().iter().enumerate() {
+    for (index, row) in full_map().rows().iter().enumerate() {
         let mut estimator = estimator(ChannelMap::new(vec![row.clone()], 255));
         for (frame, wanted) in list(&case["frames"]).iter().enumerate() {
             let reading = reading(frame as u64, &bytes(&wanted["body"]));
@@ -155,7 +164,7 @@ fn corrected(case: &Value, tolerance: f64) {
 /// Checks the algorithms of the original servers: signed-byte slip, integer mean, feedback shared by all rows of a channel.
 fn as_coded(case: &Value, tolerance: &Value) {
     let name = text(&case["name"]);
-    let rows = glove().full_map.rows().to_vec();
+    let rows = full_map().rows().to_vec();
     let mut readings = [0_i64; 64];
     let mut fed_back = [(0.0, 0.0); 64];
     let mut maya_before: Vec<f64> = vec![0.0; 64];
@@ -320,7 +329,7 @@ pub fn end_to_end(file: &Value) -> usize {
         decoder.finish(&mut |packet| bodies.push(body(&packet.sample).expect("channels")));
         let frames = list(&case["frames"]);
         assert_eq!(bodies.len(), frames.len(), "{name}");
-        let mut estimator = estimator(glove().full_map);
+        let mut estimator = estimator(full_map());
         for (number, (body, wanted)) in bodies.iter().zip(frames).enumerate() {
             let estimate = estimator
                 .update(&reading(number as u64, body))

@@ -24,8 +24,6 @@ pub struct Glove {
     pub side: Side,
     /// The enabled rows.
     pub map: ChannelMap,
-    /// All rows, including the disabled ones.
-    pub full_map: ChannelMap,
     /// The angles of the wearer's hand at rest, in radians; none if the file has none.
     pub rest_pose: JointAngles,
 }
@@ -159,19 +157,16 @@ impl Glove {
         let ranges = schema
             .ranges()
             .map_err(|message| document.error_at(&document.text, message))?;
-        let map = |is_included: &dyn Fn(&RowSchema) -> bool| {
-            let rows = schema.rows.iter().filter(|row| is_included(row));
-            ChannelMap::new(rows.map(|row| row.build(full_scale)).collect(), full_scale)
-                .with_inputs(inputs.clone())
-                .with_assumed_angles(assumed.clone())
-                .with_curvatures(curvatures.clone())
-                .with_hystereses(hystereses.clone())
-                .with_ranges(ranges.clone())
-                .with_full_range(schema.uses_full_range)
-        };
+        let rows = schema.rows.iter().filter(|row| row.disabled.is_none());
+        let rows = rows.map(|row| row.build(full_scale)).collect();
         Ok(Self {
-            map: map(&|row| row.disabled.is_none()),
-            full_map: map(&|_| true),
+            map: ChannelMap::new(rows, full_scale)
+                .with_inputs(inputs)
+                .with_assumed_angles(assumed)
+                .with_curvatures(curvatures)
+                .with_hystereses(hystereses)
+                .with_ranges(ranges)
+                .with_full_range(schema.uses_full_range),
             rest_pose,
             name: schema.name,
             side: schema.side,
