@@ -2,9 +2,9 @@
 //! vectors has.
 
 use ademan::capture::bvh::{Bvh, BvhWriter, Channel, Node, PositionChannels, Skeleton};
-use ademan::capture::markers::{Ray, TriangulationError, closest_points, elbow_bend, triangulate};
+use ademan::capture::markers::{Ray, TriangulationError, closest_points, triangulate};
 use ademan::capture::protocol::text_line;
-use ademan::geometry::{angle_between, rotation_between};
+use ademan::geometry::rotation_between;
 use glam::{DMat4, DVec3};
 
 use crate::vectors::markers::pairs_of_rays;
@@ -150,7 +150,7 @@ fn random_markers_are_matched_at_no_greater_cost_than_the_true_pairs() {
 }
 
 #[test]
-fn a_random_arm_is_turned_from_bone_to_bone_and_its_normal_is_across_both() {
+fn a_random_arm_is_turned_from_bone_to_bone() {
     let mut random = Random::new(5);
     for round in 0..ROUNDS {
         let [shoulder, elbow, wrist] = std::array::from_fn(|_| random.point(1.0));
@@ -167,14 +167,6 @@ fn a_random_arm_is_turned_from_bone_to_bone_and_its_normal_is_across_both() {
             (turn * axis).distance(axis) < 1e-9,
             "without twist: {round}"
         );
-        let bend = elbow_bend(shoulder, elbow, wrist, 0.05).expect("two bones");
-        let sine = angle_between(upper, fore).sin();
-        assert!((bend.sine - sine).abs() < 1e-9, "{round}");
-        if let Some(normal) = bend.normal {
-            assert!(normal.dot(upper).abs() < 1e-9 && normal.dot(fore).abs() < 1e-9);
-            assert!(upper.cross(fore).dot(normal) > 0.0);
-        }
-        assert_eq!(bend.normal.is_some(), bend.sine >= 0.05, "{round}");
     }
 }
 

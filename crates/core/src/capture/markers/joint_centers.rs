@@ -7,32 +7,6 @@ pub fn wrist_center(first: DVec3, second: DVec3) -> DVec3 {
     (first + second) / 2.0
 }
 
-/// The bend of an arm at its elbow marker.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bend {
-    /// Sine of the angle between upper arm and forearm, 0..=1: 0 for a straight and for a folded arm.
-    pub sine: f64,
-    /// Unit normal of the plane of the arm, (E − S) × (W − E). `None` if the three points are nearly in line, where noise
-    /// would decide its direction.
-    pub normal: Option<DVec3>,
-}
-
-/// Returns the bend of the arm through `shoulder`, `elbow` and `wrist`; `None` if a segment has no length or a number is
-/// not finite. The points count as in line if the sine is less than `min_sine`.
-pub fn elbow_bend(shoulder: DVec3, elbow: DVec3, wrist: DVec3, min_sine: f64) -> Option<Bend> {
-    let (upper_arm, forearm) = (elbow - shoulder, wrist - elbow);
-    let lengths = upper_arm.length() * forearm.length();
-    if !lengths.is_finite() || lengths <= 0.0 {
-        return None;
-    }
-    let normal = upper_arm.cross(forearm);
-    let is_in_line = normal.length() < min_sine * lengths;
-    Some(Bend {
-        sine: normal.length() / lengths,
-        normal: normal.try_normalize().filter(|_| !is_in_line),
-    })
-}
-
 /// The center E of the elbow from a marker M on its skin, which lies beside it along the normal n of the plane of the arm:
 /// E = M + offset · n with n = (E − S) × (W − E) / |…| of the arm that results, not of the displaced marker.
 ///

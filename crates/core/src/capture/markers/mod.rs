@@ -6,7 +6,7 @@
 //! | observations of all cameras → markers | [`match_cameras`] |
 //! | markers of each instant → markers that keep their names | [`MarkerTracker`] |
 //! | rays of one marker → its position | [`closest_points`] for two rays, [`triangulate`] for two or more |
-//! | markers on the skin → joint centers | [`wrist_center`], [`elbow_bend`], [`ElbowCenter`] |
+//! | markers on the skin → joint centers | [`wrist_center`], [`ElbowCenter`] |
 //! | joint centers → joints of bones of constant length | [`fit_bones`], [`LiveFit`] in a stream |
 //!
 //! All functions use `f64` and any unit of length.
@@ -22,7 +22,7 @@ mod tracker;
 mod triangulation;
 
 pub use assignment::{CostMatrix, assign};
-pub use joint_centers::{Bend, ElbowCenter, elbow_bend, wrist_center};
+pub use joint_centers::{ElbowCenter, wrist_center};
 pub use joint_matching::{Expected, MAX_CAMERAS, MatchedMarker, Observation, match_cameras};
 pub use live_fit::{LiveFit, SeenBone};
 pub use ray::{ClosestPoints, Ray, RayError, closest_points, gap_in_front};
