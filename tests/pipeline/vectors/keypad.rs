@@ -1,5 +1,5 @@
 use ademan::contact::TargetId;
-use ademan::contact::hit_test::deepest_pad;
+use ademan::contact::hit_test::penetration_depth;
 use ademan::contact::surface::{Scene, Shape, Share, TREMOR_MARGIN, Target};
 use ademan::hand::Side;
 use ademan::kinematics::HandPose;
@@ -166,14 +166,17 @@ fn assert_button(
     tolerance: f64,
     name: &str,
 ) {
-    let (finger, depth, pressure) = match deepest_pad(button, tips) {
-        Some(press) => (
-            Some(press.index as u64),
-            f64::from(press.depth),
-            f64::from(press.travel_fraction),
-        ),
-        None => (None, 0.0, 0.0),
-    };
+    let mut deepest: Option<(u64, f32)> = None;
+    for (index, &tip) in (0..).zip(tips) {
+        let pad = button.surface_from_target.inverse_transform_point(tip);
+        let depth = penetration_depth(button, pad);
+        if depth > deepest.map(|(_, other)| other) {
+            deepest = depth.map(|depth| (index, depth));
+        }
+    }
+    let finger = deepest.map(|(index, _)| index);
+    let depth = deepest.map_or(0.0, |(_, depth)| f64::from(depth));
+    let pressure = depth / f64::from(button.travel);
     assert_eq!(
         finger.is_some(),
         wanted[0].as_bool().expect("pressed"),

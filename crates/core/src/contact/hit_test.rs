@@ -23,37 +23,6 @@ pub fn penetration_depth(target: &Target, pad: Vec3) -> Option<f32> {
     is_behind.then(|| (-pad.z).min(target.travel))
 }
 
-/// The deepest of several pads on a target.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DeepestPad {
-    /// The index of the pad in the list; the lowest on a tie.
-    pub index: usize,
-    /// The penetration depth in metres: more than 0, at most the travel.
-    pub depth: f32,
-    /// The depth as a fraction of the travel.
-    pub travel_fraction: f32,
-}
-
-/// Returns the pad that presses `target` deepest, or `None` if none does; `pads` are in the surface's frame, in metres.
-///
-/// Considers positions only, no history: one pad may press several overlapping targets.
-pub fn deepest_pad(target: &Target, pads: &[Vec3]) -> Option<DeepestPad> {
-    let mut deepest: Option<DeepestPad> = None;
-    for (index, &pad) in pads.iter().enumerate() {
-        let Some(depth) = penetration_depth(target, pad_position(target, pad, 0.0)) else {
-            continue;
-        };
-        if deepest.is_none_or(|other| depth > other.depth) {
-            deepest = Some(DeepestPad {
-                index,
-                depth,
-                travel_fraction: depth / target.travel,
-            });
-        }
-    }
-    deepest
-}
-
 /// The entry of a fingertip through the front of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
@@ -326,56 +295,5 @@ mod tests {
             let targets = (0..400).map(target).collect();
             assert_agrees_with_a_linear_search(targets, Vec3::new(0.25, 0.25, 0.03));
         }
-    }
-
-    #[test]
-    fn the_four_button_pad_agrees_with_the_reference_vectors() {
-        let path = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../../tests/vectors/keypad_press.json"
-        );
-        let text = std::fs::read_to_string(path).expect("the vectors are in the repository");
-        let file: serde_json::Value = serde_json::from_str(&text).unwrap();
-        let number = |value: &serde_json::Value| value.as_f64().unwrap() as f32;
-        let mut checked = 0;
-        for case in file["cases"].as_array().unwrap() {
-            let (half, height) = (number(&case["half_extent"]), number(&case["height"]));
-            for sample in case["samples"].as_array().unwrap() {
-                // The vectors' height above the base is our +Z; the front at rest is at `height`.
-                let tips = sample["tips"].as_array().unwrap().iter();
-                let tips: Vec<Vec3> = tips
-                    .map(|tip| Vec3::new(number(&tip[0]), number(&tip[2]), number(&tip[1])))
-                    .collect();
-                let rows = sample.get("clamped").unwrap_or(&sample["as_coded"]);
-                let rows = rows.as_array().unwrap().iter();
-                for (button, row) in case["buttons_xz"].as_array().unwrap().iter().zip(rows) {
-                    let center = Vec3::new(number(&button[0]), number(&button[1]), height);
-                    let front = Target {
-                        travel: height,
-                        ..test_target(
-                            Shape::Box(Vec2::splat(half)),
-                            Pose::from_translation(center),
-                        )
-                    };
-                    let found = deepest_pad(&front, &tips);
-                    let expected = row[0].as_bool().unwrap().then(|| row[1].as_u64().unwrap());
-                    assert_eq!(
-                        found.map(|pad| pad.index as u64),
-                        expected,
-                        "{}",
-                        case["name"]
-                    );
-                    let depth = found.map_or(0.0, |pad| pad.depth);
-                    let fraction = found.map_or(0.0, |pad| pad.travel_fraction);
-                    assert!((depth - number(&row[3])).abs() < 1e-6, "{row}: {depth}");
-                    assert!(
-                        (fraction - number(&row[4])).abs() < 1e-6,
-                        "{row}: {fraction}"
-                    );
-                    checked += 1;
-                }
-            }
-        }
-        assert!(checked > 400, "only {checked} rows");
     }
 }

@@ -58,11 +58,6 @@ impl ImageSize {
     pub fn to_pixels(self, normalised: DVec3) -> DVec3 {
         normalised * DVec3::new(self.width, self.height, self.width)
     }
-
-    /// Converts a position in pixels to normalised coordinates.
-    pub fn to_normalised(self, pixels: DVec3) -> DVec3 {
-        pixels / DVec3::new(self.width, self.height, self.width)
-    }
 }
 
 impl HalfPose {
