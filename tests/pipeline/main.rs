@@ -22,6 +22,7 @@ mod hands_and_profiles;
 mod oracle;
 mod other_hand;
 mod joint_positions;
+mod key_reach;
 mod key_words;
 mod layout_changes;
 mod learning;

@@ -14,6 +14,8 @@ use ademan::sim::{
 };
 use parry3d::math::Vec3;
 
+use crate::key_reach::KeyReach;
+
 /// The persons of the tests, none of which is the default one.
 const PERSONS: [&str; 5] = [
     "Person(side: \"left\")",
@@ -320,13 +322,13 @@ impl Motion {
         let layout = &self.setup.layout;
         let key = layout.keys.iter().find(|other| other.face.name == key);
         let hand = TypingHand::without_glove(&self.setup.arm);
-        let path = hand.tap_path(&layout.scene, key.expect("a key").face.target);
-        let path = path.expect("within reach");
-        let out = (path.hover - path.bottom).normalize();
+        let target = key.expect("a key").face.target;
+        let reach = KeyReach::new(&hand, &layout.scene, target).expect("a place");
+        let out = (reach.hover() - reach.bottom()).normalize();
         let mut errors = Vec::new();
         let mut lowest: Option<(f32, Vec3)> = None;
         for tip in self.tips(Finger::Index) {
-            let error = tip - path.bottom;
+            let error = tip - reach.bottom();
             let height = error.dot(out);
             match lowest {
                 // Half of the way to the height of the hovering finger.

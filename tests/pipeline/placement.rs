@@ -13,6 +13,7 @@ use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
+use crate::key_reach::KeyReach;
 use crate::wearer::channels;
 
 /// Distance between adjacent keys, in metres.
@@ -89,8 +90,8 @@ impl Wearer {
             &self.loaded.arm,
             &self.loaded.glove.as_ref().expect("a glove").map,
         );
-        let stroke = hand.tap_path(scene, target).expect("within reach");
-        [stroke.hover, stroke.bottom]
+        let reach = KeyReach::new(&hand, scene, target).expect("a place");
+        [reach.hover(), reach.bottom()]
     }
 
     /// Moves the fingertip above a key, at its position in the file.

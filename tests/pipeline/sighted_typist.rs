@@ -5,17 +5,15 @@ use ademan::contact::TargetId;
 use ademan::contact::surface::Scene;
 use ademan::estimate::{ChannelMap, Estimate, JointAngles, JointLimits};
 use ademan::hand::Finger;
-use ademan::kinematics::{ArmModel, HandPose};
+use ademan::kinematics::ArmModel;
 use ademan::sim::{SimulatedWearer, TypingHand};
 use ademan::time::Timestamp;
-use parry3d::math::{Pose, Vec3};
+use parry3d::math::Vec3;
+
+use crate::key_reach::KeyReach;
 
 /// The height above a key's front at which a fingertip arrives, in metres: a finger moves to another key in an arc.
 const ARRIVAL: f32 = 0.03;
-/// The height above a key's front before a press, in metres.
-const HOVER: f32 = 0.014;
-/// The distance beyond the travel of a key to which a finger presses it, in metres.
-const OVERTRAVEL: f32 = 0.002;
 /// The depth beyond the travel of a key at which it is seen to be down, in metres.
 const DOWN: f32 = 0.001;
 /// The distance of the seen fingertip from its goal that needs no correction, in metres.
@@ -45,30 +43,11 @@ pub struct SightedTypist<'a> {
     readings: Vec<Reading>,
 }
 
-/// A key as the program shows it.
-struct Key {
-    world_from_target: Pose,
-    travel: f32,
-    tip_radius: f32,
-}
-
-impl Key {
-    /// Returns the center of the fingertip (world, metres) whose pad is at a height above the front.
-    fn tip(&self, height: f32) -> Vec3 {
-        self.world_from_target * (Vec3::Z * (height + self.tip_radius))
-    }
-
-    /// Returns the height of the pad above the front for a center of the fingertip (world, metres).
-    fn height(&self, tip: Vec3) -> f32 {
-        self.world_from_target.inverse_transform_point(tip).z - self.tip_radius
-    }
-}
-
 /// The hand as the program shows it.
 struct SeenHand<'a> {
     arm: &'a ArmModel,
     map: &'a ChannelMap,
-    resting_pose: HandPose,
+    at_rest: TypingHand,
 }
 
 impl SeenHand<'_> {
@@ -100,14 +79,13 @@ impl<'a> SightedTypist<'a> {
         corrections: usize,
     ) -> Self {
         let hand = TypingHand::without_glove(wearer.arm());
-        let at_rest = TypingHand::new(arm, map);
         Self {
             values: hand.rest_values(),
             hand,
             seen: SeenHand {
                 arm,
                 map,
-                resting_pose: at_rest.pose(&at_rest.rest_values()),
+                at_rest: TypingHand::new(arm, map),
             },
             wearer,
             scene,
@@ -120,7 +98,7 @@ impl<'a> SightedTypist<'a> {
     /// Returns the readings of a hand that taps these targets. Targets that the scene lacks are left out.
     pub fn tap_all(mut self, targets: &[TargetId]) -> Vec<Reading> {
         for (index, &target) in targets.iter().enumerate() {
-            let Some(key) = self.key(target) else {
+            let Some(key) = KeyReach::new(&self.seen.at_rest, self.scene, target) else {
                 continue;
             };
             self.tap(&key);
@@ -133,17 +111,7 @@ impl<'a> SightedTypist<'a> {
         self.readings
     }
 
-    fn key(&self, target: TargetId) -> Option<Key> {
-        let (surface, target) = self.scene.target(target)?;
-        let resting = &self.seen.resting_pose;
-        Some(Key {
-            world_from_target: surface.world_from_surface(resting)? * target.surface_from_target,
-            travel: target.travel,
-            tip_radius: resting.tip_radius,
-        })
-    }
-
-    fn tap(&mut self, key: &Key) {
+    fn tap(&mut self, key: &KeyReach) {
         let is_first = self.readings.is_empty();
         let arrival = key.tip(ARRIVAL);
         self.go_to(arrival, TRAVEL_PACKETS);
@@ -151,7 +119,7 @@ impl<'a> SightedTypist<'a> {
         if is_first {
             return;
         }
-        let above = key.tip(HOVER);
+        let above = key.hover();
         self.go_to(above, SHORT_PACKETS);
         self.correct(above);
         self.press(key);
@@ -171,8 +139,8 @@ impl<'a> SightedTypist<'a> {
     }
 
     /// Presses a key until it is seen to be down, or until the corrections are used up.
-    fn press(&mut self, key: &Key) {
-        let below = key.tip(-key.travel - OVERTRAVEL);
+    fn press(&mut self, key: &KeyReach) {
+        let below = key.bottom();
         self.go_to(below, SHORT_PACKETS);
         for _ in 0..self.corrections {
             self.wait(SEE_PACKETS);

@@ -1,5 +1,6 @@
 //! Stops caused by the hand: a gesture that pauses, and an arm that is no longer measured.
 
+use crate::key_reach::KeyReach;
 use crate::support::checked::CheckedPipeline;
 use crate::support::wearer::load_layout;
 use crate::wearer::channels;
@@ -60,13 +61,13 @@ fn tap_angles(setup: &LoadedSetup, side: Side) -> (JointAngles, JointAngles) {
     let key = if side == Side::Left { "F" } else { "J" };
     let target = layout.key(key).expect("a key").face.target;
     let hand = TypingHand::new(arm, map);
-    let path = hand.tap_path(&layout.scene, target).expect("within reach");
+    let reach = KeyReach::new(&hand, &layout.scene, target).expect("a place");
     let angles = |tip| {
         let mut values = hand.rest_values();
         hand.reach(tip, &mut values, &[]);
         hand.angles(&values)
     };
-    (angles(path.hover), angles(path.bottom))
+    (angles(reach.hover()), angles(reach.bottom()))
 }
 
 impl TwoHands {

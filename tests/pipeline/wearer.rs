@@ -8,6 +8,7 @@ use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
 
+use crate::key_reach::KeyReach;
 use crate::support::checked::CheckedPipeline;
 use crate::support::wearer::load_layout;
 
@@ -60,8 +61,12 @@ impl Wearer {
         let layout = layout.expect("a layout is active");
         let target = layout.target_names().find(key).expect("a control");
         let hand = TypingHand::new(arm, map);
-        let stroke = hand.tap_path(&layout.scene, target).expect("within reach");
-        let tip = if is_down { stroke.bottom } else { stroke.hover };
+        let reach = KeyReach::new(&hand, &layout.scene, target).expect("a place");
+        let tip = if is_down {
+            reach.bottom()
+        } else {
+            reach.hover()
+        };
         let mut values = hand.rest_values();
         hand.reach(tip, &mut values, &[]);
         let angles = hand.angles(&values);

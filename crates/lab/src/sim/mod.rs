@@ -46,7 +46,7 @@ pub use layout_feed::{LayoutChange, LayoutFeed};
 pub use motor::TypingKeys;
 pub(crate) use movement::minimum_jerk;
 pub use pointer_hand::{Pointed, PointerHand};
-pub use reach::{Miss, TapPath, pressing_fingers};
+pub use reach::{Miss, pressing_fingers};
 pub use score::{
     EditCounts, TypingScore, error_rate, kept_characters, word_errors, words_per_minute,
 };

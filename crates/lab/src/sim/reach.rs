@@ -15,15 +15,6 @@ const HOVER: f32 = 0.014;
 /// Distance of the fingertip beyond the end of a target's travel, in metres.
 const OVERTRAVEL: f32 = 0.002;
 
-/// The positions of the center of the fingertip during a tap (world, metres).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TapPath {
-    /// Position above the key.
-    pub hover: Vec3,
-    /// Position with the key fully pressed.
-    pub bottom: Vec3,
-}
-
 /// The way from the nearest position of the fingertip to a position out of reach, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Miss {
@@ -48,21 +39,6 @@ impl Miss {
 }
 
 impl TypingHand {
-    /// Returns the path of a tap on the center of a target. The error is the way by which the target is out of reach.
-    pub fn tap_path(&self, scene: &Scene, target: TargetId) -> Result<TapPath, Miss> {
-        let reach_target = self.reach_target(scene, target);
-        let reach_target = reach_target.ok_or(Miss::NO_POSITION)?;
-        let tip = |height| reach_target.tip_position(TargetPoint::center(target), height);
-        let path = TapPath {
-            hover: tip(reach_target.hover_height),
-            bottom: tip(reach_target.bottom_height),
-        };
-        match self.miss(path.bottom) {
-            Some(miss) => Err(miss),
-            None => Ok(path),
-        }
-    }
-
     /// Returns the way from the nearest position of the fingertip to `tip` (world, metres); `None` if `tip` is within reach.
     pub fn miss(&self, tip: Vec3) -> Option<Miss> {
         self.miss_with(Effector::INDEX, tip)
