@@ -17,17 +17,11 @@ use crate::arm::{OutputArgs, poses};
 use crate::failure::Failure;
 
 /// Joint angles of a body of twelve points, from its T pose, and back
-#[derive(clap::Args)]
+#[derive(clap::Subcommand)]
 #[command(
     after_help = "Examples:\n  ademan body angles poses.jsonl --order zxy > angles.jsonl\n  ademan body positions angles.jsonl > poses.jsonl"
 )]
-pub struct Args {
-    #[command(subcommand)]
-    command: Subcommand,
-}
-
-#[derive(clap::Subcommand)]
-enum Subcommand {
+pub enum Args {
     Angles(AnglesArgs),
     Positions(PositionsArgs),
 }
@@ -40,7 +34,7 @@ enum Subcommand {
 #[command(
     after_help = "Examples:\n  ademan body angles poses.jsonl\n  ademan body angles poses.jsonl --order xyz --csv --check"
 )]
-struct AnglesArgs {
+pub struct AnglesArgs {
     /// Files with one pose per line, or `.npy` arrays; `-` for standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
@@ -63,7 +57,7 @@ struct AnglesArgs {
 /// Print the positions of the twelve points that lines of `ademan body angles` give
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  ademan body positions angles.jsonl --output poses.jsonl")]
-struct PositionsArgs {
+pub struct PositionsArgs {
     /// Files with one line of angles per pose; `-` for standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
@@ -94,9 +88,9 @@ struct PositionsLine {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    match args.command {
-        Subcommand::Angles(args) => print_angles(&args),
-        Subcommand::Positions(args) => print_positions(&args),
+    match args {
+        Args::Angles(args) => print_angles(&args),
+        Args::Positions(args) => print_positions(&args),
     }
 }
 

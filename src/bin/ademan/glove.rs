@@ -10,15 +10,9 @@ use crate::failure::Failure;
 use crate::{complete, gloves, new_file};
 
 /// Create glove files
-#[derive(clap::Args)]
-#[command(after_help = "Example: ademan glove new mine --from unam-hc11")]
-pub struct Args {
-    #[command(subcommand)]
-    action: Action,
-}
-
 #[derive(clap::Subcommand)]
-enum Action {
+#[command(after_help = "Example: ademan glove new mine --from unam-hc11")]
+pub enum Args {
     /// Create a glove file as a copy of another one
     #[command(after_help = "Example: ademan glove new mine --from unam-hc11-left")]
     New {
@@ -31,7 +25,7 @@ enum Action {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    let Action::New { file, from } = args.action;
+    let Args::New { file, from } = args;
     let path = new_file::with_extension(&file, "ron");
     let document = Document::open_kind(FileKind::Glove, &from)?;
     let glove = Glove::parse(&document)?;

@@ -13,17 +13,11 @@ use crate::list::{ListArgs, Row};
 use crate::{complete, field_list, key_list, layout_check, link, new_file, picture};
 
 /// Create, check, list and draw layouts
-#[derive(clap::Args)]
+#[derive(clap::Subcommand)]
 #[command(
     after_help = "Examples:\n  ademan layout new my-board --from qwerty-arc\n  ademan layout check my-board.ron"
 )]
-pub struct Args {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(clap::Subcommand)]
-enum Action {
+pub enum Args {
     /// Create a layout as a copy of another one
     #[command(
         after_help = "Examples:\n  ademan layout new my-board --from qwerty-arc\n  ademan layout new my-left-board --from qwerty-arc --mirror"
@@ -92,20 +86,20 @@ enum Action {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    match args.action {
-        Action::New { file, from, mirror } => new(&file, &from, mirror),
-        Action::Check {
+    match args {
+        Args::New { file, from, mirror } => new(&file, &from, mirror),
+        Args::Check {
             files,
             hand,
             person,
             setup,
             json,
         } => layout_check::check(&looked_at(files)?, hand, person, setup.as_deref(), json),
-        Action::Share { file, page } => link::print(&file, &page),
-        Action::List(args) => list(&args),
-        Action::Keys(args) => key_list::print(&args),
-        Action::Fields(args) => field_list::print(&args),
-        Action::Show(mut args) => {
+        Args::Share { file, page } => link::print(&file, &page),
+        Args::List(args) => list(&args),
+        Args::Keys(args) => key_list::print(&args),
+        Args::Fields(args) => field_list::print(&args),
+        Args::Show(mut args) => {
             args.file = link::looked_at(args.file)?;
             picture::show(&args)
         }

@@ -135,27 +135,39 @@ subcommands! {
     Watch(watch),
     Ctl(ctl),
     Calibrate(calibrate),
+    #[command(subcommand)]
     Cameras(cameras),
+    #[command(subcommand)]
     Arm(arm),
+    #[command(subcommand)]
     Body(body),
     Record(record),
     Replay(replay),
     Export(export),
     Trace(trace),
     Delay(delay),
+    #[command(subcommand)]
     Layout(layout),
+    #[command(subcommand)]
     Lab(lab),
+    #[command(subcommand)]
     Bridge(bridge),
     Sources(sources),
     Outputs(outputs),
     Layouts(layouts),
     Gloves(gloves),
+    #[command(subcommand)]
     Glove(glove),
+    #[command(subcommand)]
     Person(person),
+    #[command(subcommand)]
     Setup(setup),
     Schema(schema),
+    #[command(subcommand)]
     Script(script),
+    #[command(subcommand)]
     Text(text),
+    #[command(subcommand)]
     Token(token),
     Doctor(doctor),
     #[command(name = watchdog::COMMAND, hide = true)]

@@ -17,17 +17,11 @@ use crate::setup_args::number_in;
 use crate::{complete, field_list, new_file};
 
 /// Create and show persons: the size of the hands, and how a simulated person moves them
-#[derive(clap::Args)]
+#[derive(clap::Subcommand)]
 #[command(
     after_help = "Examples:\n  ademan person new me --hand left --length 172\n  ademan person show me.ron\n  ademan demo --person adult\n  ademan layout check qwerty-flat --person me.ron"
 )]
-pub struct Args {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(clap::Subcommand)]
-enum Action {
+pub enum Args {
     /// Create a person file
     #[command(
         after_help = "Examples:\n  ademan person new me --hand left --length 172\n  ademan person new me --from adult"
@@ -62,16 +56,16 @@ enum Action {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    match args.action {
-        Action::New {
+    match args {
+        Args::New {
             file,
             hand,
             length,
             from,
         } => new(&file, hand, length, from.as_deref()),
-        Action::Show { file } => show(&file),
-        Action::List(args) => list(&args),
-        Action::Fields(args) => {
+        Args::Show { file } => show(&file),
+        Args::List(args) => list(&args),
+        Args::Fields(args) => {
             field_list::print_tables(&args, person_field_tables(), "ademan person fields")
         }
     }

@@ -13,15 +13,9 @@ use crate::failure::Failure;
 use crate::{complete, layout_check, new_file};
 
 /// Create scripts for a simulated hand
-#[derive(clap::Args)]
-#[command(after_help = "Example: ademan script new mine --from media")]
-pub struct Args {
-    #[command(subcommand)]
-    action: Action,
-}
-
 #[derive(clap::Subcommand)]
-enum Action {
+#[command(after_help = "Example: ademan script new mine --from media")]
+pub enum Args {
     /// Create a script for a layout: a copy of the one that the demo plays, or a tour that uses each control once
     #[command(
         after_help = "Examples:\n  ademan script new mine --from media\n  ademan script new tour --from my-mixer.ron"
@@ -36,7 +30,7 @@ enum Action {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    let Action::New { file, from } = args.action;
+    let Args::New { file, from } = args;
     let path = new_file::with_extension(&file, "txt");
     let next = format!("ademan demo --layout {} --script FILE", shell_word(&from));
     match script::for_layout(&from) {

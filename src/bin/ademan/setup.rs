@@ -9,15 +9,9 @@ use crate::new_file;
 const EXAMPLE: &str = include_str!("../../../examples/setup.ron");
 
 /// Create setup files
-#[derive(clap::Args)]
-#[command(after_help = "Example: ademan setup new my-setup")]
-pub struct Args {
-    #[command(subcommand)]
-    action: Action,
-}
-
 #[derive(clap::Subcommand)]
-enum Action {
+#[command(after_help = "Example: ademan setup new my-setup")]
+pub enum Args {
     /// Create a setup file with all fields and their defaults
     #[command(
         after_help = "Examples:\n  ademan setup new my-setup\n  ademan setup new ~/.config/ademan/setup.ron    (found by every run that names no setup; on Windows %APPDATA%\\ademan\\setup.ron)"
@@ -29,7 +23,7 @@ enum Action {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    let Action::New { file } = args.action;
+    let Args::New { file } = args;
     let path = new_file::with_extension(&file, "ron");
     let next = "ademan doctor FILE && ademan run FILE";
     new_file::create(&path, EXAMPLE, "a copy of examples/setup.ron", next)

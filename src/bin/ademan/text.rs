@@ -15,17 +15,11 @@ use crate::failure::Failure;
 use crate::{complete, result_files};
 
 /// Build language models, and read taps with them
-#[derive(clap::Args)]
+#[derive(clap::Subcommand)]
 #[command(
     after_help = "Examples:\n  ademan text build --words words.txt --text sentences.txt -o my.adm\n  echo '0 0' | ademan text decode en --layout qwerty-flat"
 )]
-pub struct Args {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(clap::Subcommand)]
-enum Action {
+pub enum Args {
     /// Build a language model from lists of words and text. The same files give the same bytes
     #[command(
         after_help = "Example: ademan text build --words words.txt --text sentences.txt --text more.txt -o my.adm"
@@ -61,15 +55,15 @@ enum Action {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    match args.action {
-        Action::Build {
+    match args {
+        Args::Build {
             words,
             text,
             arpa,
             hold_out,
             output,
         } => build(&words, &text, arpa.as_slice(), hold_out, &output),
-        Action::Decode { model, layout } => decode(&model, &layout),
+        Args::Decode { model, layout } => decode(&model, &layout),
     }
 }
 

@@ -9,17 +9,11 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crate::failure::Failure;
 
 /// Manage the tokens with which programs on other machines connect to this one
-#[derive(clap::Args)]
+#[derive(clap::Subcommand)]
 #[command(
     after_help = "Examples:\n  ademan token new desk --role type\n  ademan token list\n  ademan token revoke desk\n\nThe file of a token belongs on the machine that connects, whose source names it: 'tcp+tls:192.168.1.7:10002?protocol=text-line&token_file=desk.token'. This machine shares with `--share text-line+tls:192.168.1.7:10002`. Tokens and the certificate of this machine are in the folder `network` of the configuration folder: ~/.config/ademan, on Windows %APPDATA%\\ademan."
 )]
-pub struct Args {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(clap::Subcommand)]
-enum Action {
+pub enum Args {
     /// Make a token, and the file that its client needs
     #[command(after_help = "Example: ademan token new desk --role type")]
     New {
@@ -43,8 +37,8 @@ enum Action {
 pub fn run(args: Args) -> Result<(), Failure> {
     let folder = network_folder()?;
     let mut out = io::stdout().lock();
-    match args.action {
-        Action::New { name, role } => {
+    match args {
+        Args::New { name, role } => {
             let path = tokens::create(&folder, &name, role)?;
             writeln!(out, "wrote {}", escape_path(&path))?;
             writeln!(
@@ -52,7 +46,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
                 "move this file to the machine that connects, into the folder `network` of its configuration folder (~/.config/ademan, on Windows %APPDATA%\\ademan), and keep no copy: it is a password"
             )?;
         }
-        Action::List => {
+        Args::List => {
             let entries = tokens::list(&folder)?;
             if entries.is_empty() {
                 say!("no tokens yet; `ademan token new desk --role see` makes one");
@@ -67,7 +61,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
                 )?;
             }
         }
-        Action::Revoke { name } => {
+        Args::Revoke { name } => {
             tokens::revoke(&folder, &name)?;
             writeln!(out, "revoked {name}")?;
         }

@@ -20,27 +20,21 @@ use crate::failure::Failure;
 use crate::signals;
 
 /// Attributes of both arms (directions, lengths, angles) from landmarks, and back, and movements between postures
-#[derive(clap::Args)]
+#[derive(clap::Subcommand)]
 #[command(
     after_help = "Examples:\n  ademan arm attributes poses.jsonl > attributes.jsonl\n  ademan arm landmarks attributes.jsonl > poses.jsonl\n  ademan arm between rest.jsonl reach.jsonl --ms 800 --output movement.jsonl\n  ademan run --source 'file:movement.jsonl?protocol=body-landmarks&rate_hz=60'"
 )]
-pub struct Args {
-    #[command(subcommand)]
-    command: Subcommand,
-}
-
-#[derive(clap::Subcommand)]
-enum Subcommand {
+pub enum Args {
     Attributes(attributes::Args),
     Landmarks(landmarks::Args),
     Between(between::Args),
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    match args.command {
-        Subcommand::Attributes(args) => attributes::run(&args),
-        Subcommand::Landmarks(args) => landmarks::run(&args),
-        Subcommand::Between(args) => between::run(&args),
+    match args {
+        Args::Attributes(args) => attributes::run(&args),
+        Args::Landmarks(args) => landmarks::run(&args),
+        Args::Between(args) => between::run(&args),
     }
 }
 

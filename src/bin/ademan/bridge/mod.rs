@@ -8,24 +8,18 @@ pub use webcam::CameraArgs;
 use crate::failure::Failure;
 
 /// Print a program that connects another one: a webcam, or Blender
-#[derive(clap::Args)]
+#[derive(clap::Subcommand)]
 #[command(
     after_help = "Examples:\n  ademan bridge webcam --run | ademan run --source 'stdin:?protocol=hand-landmarks' --layout webcam-mouse\n  ademan bridge blender --output ademan_blender.py"
 )]
-pub struct Args {
-    #[command(subcommand)]
-    bridge: Bridge,
-}
-
-#[derive(clap::Subcommand)]
-enum Bridge {
+pub enum Args {
     Webcam(webcam::Args),
     Blender(blender::Args),
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    match args.bridge {
-        Bridge::Webcam(args) => webcam::run(&args),
-        Bridge::Blender(args) => blender::run(&args),
+    match args {
+        Args::Webcam(args) => webcam::run(&args),
+        Args::Blender(args) => blender::run(&args),
     }
 }

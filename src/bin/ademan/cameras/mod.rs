@@ -34,17 +34,11 @@ const EDGE_PX: f64 = 2.0;
 const MAX_CAMERAS: usize = 16;
 
 /// Calibrate cameras that see markers, find marks in their pictures, and print lines for `protocol=markers`
-#[derive(clap::Args)]
+#[derive(clap::Subcommand)]
 #[command(
     after_help = "Examples:\n  ademan cameras calibrate wand.jsonl --wand 500 --size 1280x720 --output cameras.ron\n  ademan cameras markers left right --cameras cameras.ron | ademan run --source 'stdin:?protocol=markers'\n  ademan cameras lines markers.jsonl --cameras cameras.ron --output session.jsonl"
 )]
-pub struct Args {
-    #[command(subcommand)]
-    command: Subcommand,
-}
-
-#[derive(clap::Subcommand)]
-enum Subcommand {
+pub enum Args {
     Calibrate(CalibrateArgs),
     Lines(LinesArgs),
     Markers(markers::Args),
@@ -59,7 +53,7 @@ enum Subcommand {
     after_help = "Examples:\n  ademan cameras calibrate wand.jsonl --wand 500 --size 1280x720 --output cameras.ron\n  ademan cameras calibrate frame.jsonl --points places.ron --size 1280x720 --output cameras.toml\n  ademan cameras calibrate walk.jsonl --refine --cameras Calib.toml --output better.toml"
 )]
 #[command(group = clap::ArgGroup::new("target").required(true).args(["wand", "points", "refine"]))]
-struct CalibrateArgs {
+pub struct CalibrateArgs {
     /// Files with one line per instant; `-` for standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
@@ -91,7 +85,7 @@ struct CalibrateArgs {
 #[command(
     after_help = "Examples:\n  ademan cameras lines markers.jsonl --cameras cameras.ron --output session.jsonl"
 )]
-struct LinesArgs {
+pub struct LinesArgs {
     /// Files with one line per instant; `-` for standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
@@ -103,10 +97,10 @@ struct LinesArgs {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    match args.command {
-        Subcommand::Calibrate(args) => calibrate(&args),
-        Subcommand::Lines(args) => print_lines(&args),
-        Subcommand::Markers(args) => markers::run(&args),
+    match args {
+        Args::Calibrate(args) => calibrate(&args),
+        Args::Lines(args) => print_lines(&args),
+        Args::Markers(args) => markers::run(&args),
     }
 }
 

@@ -26,17 +26,11 @@ use crate::failure::Failure;
 use crate::{complete, result_files};
 
 /// Score, compare and check layouts with simulated people, through the whole program
-#[derive(clap::Args)]
+#[derive(clap::Subcommand)]
 #[command(
     after_help = "Examples:\n  ademan lab score qwerty-flat\n  ademan lab score my-board.ron --person me.ron --html report.html\n  ademan lab compare qwerty-flat qwerty-arc --people 50\n  ademan lab verify result.json\n\nAll figures are simulated: docs/lab.md says what the people are made of, and where they differ from real ones."
 )]
-pub struct Args {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(clap::Subcommand)]
-enum Action {
+pub enum Args {
     /// Let simulated people type on a layout, or use its controls, and print speed, errors and effort with their intervals
     #[command(
         after_help = "Examples:\n  ademan lab score qwerty-flat --tier T1\n  ademan lab score chords-bend --source glove --json result.json\n  ademan lab score workshop          (a layout that does not type: tasks)"
@@ -112,7 +106,7 @@ enum Action {
 
 /// Files to write.
 #[derive(Clone, clap::Args)]
-struct OutputArgs {
+pub struct OutputArgs {
     /// Result file to write: everything that the run needs, and what came of it. It holds the phrases
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -133,25 +127,25 @@ impl OutputArgs {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    match args.action {
-        Action::Score {
+    match args {
+        Args::Score {
             layout,
             conditions,
             outputs,
         } => score(&[layout], &conditions, &outputs),
-        Action::Compare {
+        Args::Compare {
             layouts,
             conditions,
             outputs,
         } => score(&layouts, &conditions, &outputs),
-        Action::Import(args) => import::run(&args),
-        Action::Improve(args) => improve::run(&args),
-        Action::Replay(args) => replay::run(&args),
-        Action::Plan(args) => shards::plan(&args),
-        Action::Run(args) => shards::run(&args),
-        Action::Merge(args) => shards::merge(&args),
-        Action::Study { action } => study::run(action),
-        Action::Verify { result, jobs } => verify::run(&result, jobs),
+        Args::Import(args) => import::run(&args),
+        Args::Improve(args) => improve::run(&args),
+        Args::Replay(args) => replay::run(&args),
+        Args::Plan(args) => shards::plan(&args),
+        Args::Run(args) => shards::run(&args),
+        Args::Merge(args) => shards::merge(&args),
+        Args::Study { action } => study::run(action),
+        Args::Verify { result, jobs } => verify::run(&result, jobs),
     }
 }
 
