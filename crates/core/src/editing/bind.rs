@@ -8,7 +8,7 @@ use super::geometry::unsupported;
 use super::names::{
     can_be_mentioned, canonical, implied_name, is_numbered, name_of, rename_mentions, taken, unique,
 };
-use super::part::{ControlKind, Part, words};
+use super::part::{Part, words};
 use super::rows::take_out;
 use crate::device::KeyCode;
 use crate::document::{quote, quoted_content};
@@ -300,18 +300,11 @@ fn set_entry(
 }
 
 fn require_key(part: Part) -> Result<Part, EditError> {
-    match part {
-        Part::RowKey { .. }
-        | Part::Control {
-            kind: ControlKind::Key,
-            ..
-        } => Ok(part),
-        _ => Err(unsupported(
-            part,
-            "bound as a key is",
-            "; set one of its fields",
-        )),
+    if part.is_key() {
+        return Ok(part);
     }
+    let advice = "; set one of its fields";
+    Err(unsupported(part, "bound as a key is", advice))
 }
 
 /// Returns the first key code that no target is named after.
@@ -324,7 +317,7 @@ pub(super) fn free_code(taken: &BTreeSet<String>) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::editing::{Edit, edit};
+    use crate::editing::{ControlKind, Edit, edit};
     use crate::layout::Layout;
 
     #[test]

@@ -6,7 +6,7 @@ use super::draft::Draft;
 use super::error::EditError;
 use super::geometry::{unsupported, without_children};
 use super::names::{Mention, chord_lists, mentions, name_of, signal_names, targets_in};
-use super::part::{ControlKind, Part};
+use super::part::Part;
 use super::rows::SourceRow;
 use crate::document::{Node, quoted_content};
 
@@ -75,17 +75,7 @@ fn forget_initial(draft: &mut Draft, part: Part) -> Result<(), EditError> {
 
 /// Returns the names of the keys among targets.
 fn key_names(draft: &Draft, deleted: &[Part]) -> BTreeSet<String> {
-    let is_key = |part: &&Part| {
-        matches!(
-            part,
-            Part::RowKey { .. }
-                | Part::Control {
-                    kind: ControlKind::Key,
-                    ..
-                }
-        )
-    };
-    let keys = deleted.iter().filter(is_key);
+    let keys = deleted.iter().filter(|part| part.is_key());
     keys.filter_map(|part| name_of(draft.text(), draft.tree(), *part))
         .collect()
 }
@@ -124,6 +114,7 @@ fn delete_mentions(draft: &mut Draft, names: &BTreeSet<String>) -> Result<(), Ed
 mod tests {
     use super::*;
     use crate::document::Document;
+    use crate::editing::ControlKind;
     use crate::layout::Layout;
 
     #[test]

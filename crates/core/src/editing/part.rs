@@ -133,6 +133,15 @@ impl Part {
         }
     }
 
+    /// Returns `true` if it is a key, alone or in a row.
+    pub const fn is_key(self) -> bool {
+        match self {
+            Self::RowKey { .. } => true,
+            Self::Control { kind, .. } => matches!(kind, ControlKind::Key),
+            _ => false,
+        }
+    }
+
     /// Returns the name of its kind in messages.
     pub const fn kind_name(self) -> &'static str {
         match self {

@@ -318,17 +318,7 @@ impl LayoutEditor {
 
     /// Returns the names of the selected keys.
     pub fn selected_keys(&self) -> Vec<String> {
-        let is_key = |part: &&Part| {
-            matches!(
-                part,
-                Part::RowKey { .. }
-                    | Part::Control {
-                        kind: ControlKind::Key,
-                        ..
-                    }
-            )
-        };
-        let keys = self.selection().iter().filter(is_key);
+        let keys = self.selection().iter().filter(|part| part.is_key());
         keys.filter_map(|key| self.part_name(*key)).collect()
     }
 
