@@ -20,7 +20,7 @@ type Candidates = Vec<CompletionCandidate>;
 pub fn layout() -> ArgValueCompleter {
     ArgValueCompleter::new(|current: &OsStr| {
         let shipped = shipped_layouts().map(str::to_owned);
-        names_and_files(current, shipped.chain(own_layouts()), "ron")
+        names_and_files(current, shipped.chain(own_layouts()))
     })
 }
 
@@ -28,7 +28,7 @@ pub fn layout() -> ArgValueCompleter {
 pub fn glove() -> ArgValueCompleter {
     ArgValueCompleter::new(|current: &OsStr| {
         let shipped = shipped_gloves().map(str::to_owned);
-        names_and_files(current, shipped.chain(own_gloves()), "ron")
+        names_and_files(current, shipped.chain(own_gloves()))
     })
 }
 
@@ -36,7 +36,7 @@ pub fn glove() -> ArgValueCompleter {
 pub fn person() -> ArgValueCompleter {
     ArgValueCompleter::new(|current: &OsStr| {
         let shipped = shipped_persons().map(str::to_owned);
-        names_and_files(current, shipped.chain(own_persons()), "ron")
+        names_and_files(current, shipped.chain(own_persons()))
     })
 }
 
@@ -99,16 +99,12 @@ fn serial_ports() -> impl Iterator<Item = CompletionCandidate> {
         .map(CompletionCandidate::new)
 }
 
-fn names_and_files(
-    current: &OsStr,
-    names: impl Iterator<Item = String>,
-    extension: &'static str,
-) -> Candidates {
+fn names_and_files(current: &OsStr, names: impl Iterator<Item = String>) -> Candidates {
     let named = starting_with(
         &current.to_string_lossy(),
         names.map(CompletionCandidate::new),
     );
-    named.into_iter().chain(files(current, extension)).collect()
+    named.into_iter().chain(files(current, "ron")).collect()
 }
 
 /// Returns the files with an extension, or all for an empty one, and the folders.

@@ -56,7 +56,7 @@ pub fn take_over() -> io::Result<()> {
     let mut quiet = modes.clone();
     quiet.local_modes -= LocalModes::ECHO | LocalModes::ICANON;
     tcsetattr(&terminal, OptionalActions::Now, &quiet)?;
-    let written = write_within(&mut terminal, ENTER, LEAVE_TIMEOUT);
+    let written = write_within(&mut terminal, ENTER);
     *covered = Some(Covered { terminal, modes });
     TAKEOVERS.fetch_add(1, Ordering::Release);
     IS_COVERED.store(true, Ordering::Release);
@@ -82,14 +82,14 @@ pub fn restore() {
     // After Ctrl-S it accepts nothing. It starts again only if it was stopped in this way.
     let _ = tcflow(&terminal, Action::OOff);
     let _ = tcflow(&terminal, Action::OOn);
-    let _ = write_within(&mut terminal, LEAVE, LEAVE_TIMEOUT);
+    let _ = write_within(&mut terminal, LEAVE);
 }
 
 /// Writes to the terminal after the view, as far as it accepts that within 0.2 s.
 pub fn write_after(text: &str) {
     if let Ok(mut terminal) = open() {
         let text = text.replace('\n', "\r\n");
-        let _ = write_within(&mut terminal, text.as_bytes(), LEAVE_TIMEOUT);
+        let _ = write_within(&mut terminal, text.as_bytes());
     }
 }
 
@@ -143,8 +143,8 @@ fn open() -> io::Result<File> {
 }
 
 /// Writes bytes, as far as the terminal accepts them in time.
-fn write_within(terminal: &mut File, bytes: &[u8], timeout: Duration) -> io::Result<()> {
-    let deadline = Instant::now() + timeout;
+fn write_within(terminal: &mut File, bytes: &[u8]) -> io::Result<()> {
+    let deadline = Instant::now() + LEAVE_TIMEOUT;
     write_while(terminal, bytes, || Instant::now() < deadline)
 }
 
