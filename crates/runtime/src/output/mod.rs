@@ -117,7 +117,7 @@ impl PartialEq for Backend {
 }
 
 /// The parameters of [`Backend::open`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct OpenRequest<'a> {
     /// The output as written, with its argument; errors contain it.
     pub name: &'a str,

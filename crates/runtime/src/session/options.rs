@@ -1,7 +1,6 @@
 //! Options of a session that are not part of a setup.
 
 use std::ffi::OsString;
-use std::fmt;
 use std::path::PathBuf;
 
 use super::control_socket::default_path;
@@ -89,27 +88,4 @@ pub struct WatchdogProgram {
     pub arguments: Vec<OsString>,
     /// Command that the session executes when the watchdog exits unexpectedly or does not respond.
     pub on_lost: Command,
-}
-
-impl fmt::Debug for SessionOptions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("SessionOptions")
-            .field("name", &self.name)
-            .field("speed", &self.speed)
-            .field("wait_for_source", &self.wait_for_source)
-            .field("watchdog", &self.watchdog)
-            .field("record_to", &self.record_to)
-            .field("record_bvh_to", &self.record_bvh_to)
-            .field("share", &self.share)
-            .field("haptics", &self.haptics)
-            .field("control_socket", &self.control_socket)
-            .field("watch_layouts", &self.watch_layouts)
-            .field("use_panic_keys", &self.use_panic_keys)
-            .field("follow_focus", &self.follow_focus)
-            .field("tray", &self.tray)
-            .field("notify", &self.notify)
-            .field("report_status", &self.report_status)
-            .field("lossless_snapshots", &self.lossless_snapshots)
-            .finish_non_exhaustive()
-    }
 }

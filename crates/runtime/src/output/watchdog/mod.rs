@@ -19,7 +19,6 @@
 //! Windows and macOS let any process release a key, so there the watchdog needs no handle, and pipes replace the socket.
 
 use std::ffi::OsString;
-use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -92,10 +91,4 @@ pub struct WatchdogSettings {
     /// Called when the watchdog has exited unexpectedly or does not respond, after all keys were released. The watchdog
     /// is replaced, unless it is lost within 10 s of a replacement. Must not block.
     pub on_lost: Arc<dyn Fn() + Send + Sync>,
-}
-
-impl fmt::Debug for WatchdogSettings {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?} {:?}", self.program, self.arguments)
-    }
 }
