@@ -130,33 +130,19 @@ impl Glove {
     pub fn parse(document: &Document) -> Result<Self, DocumentError> {
         let schema: GloveSchema = document.parse_as(&FORMAT)?;
         let FullScaleCounts(full_scale) = schema.full_scale_counts;
+        let error = |message: String| document.error_at(&document.text, message);
         if schema.rows.len() > MAX_ROWS {
-            let message = format!(
-                "a glove has at most {MAX_ROWS} rows, this one has {}",
-                schema.rows.len()
-            );
-            return Err(document.error_at(&document.text, message));
+            let count = schema.rows.len();
+            let message = format!("a glove has at most {MAX_ROWS} rows, this one has {count}");
+            return Err(error(message));
         }
-        let inputs: Vec<InputRow> = schema
-            .inputs
-            .iter()
-            .map(|input| input.build(document))
-            .collect::<Result<_, _>>()?;
-        let assumed = schema
-            .assumed_angles()
-            .map_err(|message| document.error_at(&document.text, message))?;
-        let rest_pose = schema
-            .rest_pose()
-            .map_err(|message| document.error_at(&document.text, message))?;
-        let curvatures = schema
-            .curvatures()
-            .map_err(|message| document.error_at(&document.text, message))?;
-        let hystereses = schema
-            .hystereses()
-            .map_err(|message| document.error_at(&document.text, message))?;
-        let ranges = schema
-            .ranges()
-            .map_err(|message| document.error_at(&document.text, message))?;
+        let inputs = schema.inputs.iter().map(|input| input.build(document));
+        let inputs = inputs.collect::<Result<Vec<_>, _>>()?;
+        let assumed = schema.assumed_angles().map_err(error)?;
+        let rest_pose = schema.rest_pose().map_err(error)?;
+        let curvatures = schema.curvatures().map_err(error)?;
+        let hystereses = schema.hystereses().map_err(error)?;
+        let ranges = schema.ranges().map_err(error)?;
         let rows = schema.rows.iter().filter(|row| row.disabled.is_none());
         let rows = rows.map(|row| row.build(full_scale)).collect();
         Ok(Self {
