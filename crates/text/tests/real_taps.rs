@@ -120,7 +120,10 @@ fn prior<'a>(people: impl Iterator<Item = &'a Person>) -> Prior {
     Prior {
         offset: mean.map(|sum| sum / count),
         covariance: squares.map(|sum| sum / count),
-        ..Prior::phone()
+        // Thumbs on a telephone.
+        first_drift: 0.6,
+        drift: 0.05,
+        ..Prior::default()
     }
 }
 

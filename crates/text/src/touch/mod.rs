@@ -70,17 +70,6 @@ impl Default for Prior {
 }
 
 impl Prior {
-    /// Thumbs on a telephone, keys of 6.7 × 10.2 mm: fitted to the taps of eight people (see `docs/typing-measured.md`).
-    pub fn phone() -> Self {
-        Self {
-            offset: [-0.42, -0.26],
-            covariance: [2.6, 3.2, 0.0],
-            first_drift: 0.6,
-            drift: 0.05,
-            ..Self::default()
-        }
-    }
-
     /// Returns the prior with values that can be used: finite, positive where they have to be.
     fn sane(mut self) -> Self {
         let default = Self::default();
@@ -422,7 +411,11 @@ mod tests {
 
     #[test]
     fn an_unknown_person_has_the_prior() {
-        let model = TouchModel::new(Prior::phone());
+        let model = TouchModel::new(Prior {
+            offset: [-0.42, -0.26],
+            covariance: [2.6, 3.2, 0.0],
+            ..Prior::default()
+        });
         let spread = model.spreads(&keyboard()).next().expect("a key");
         assert_eq!(spread.mean, [-0.42, -0.26]);
         assert!((spread.covariance[0] - 2.6).abs() < 1e-5);
