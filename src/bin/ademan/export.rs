@@ -8,15 +8,14 @@ use ademan::files::{self, FileError};
 use ademan::geometry::EulerOrder;
 use ademan::hand::Side;
 use ademan::message::escape_path;
-use ademan::output;
-use ademan::session::{SessionHandle, SessionOptions, counted};
+use ademan::session::{SessionHandle, counted};
 use ademan::trace::bvh::{self, PoseOptions};
 
 use crate::complete;
 use crate::failure::Failure;
 use crate::setup_args::{SetupArgs, number_in};
 use crate::traced_setup::TracedSetup;
-use crate::{body, session, stats};
+use crate::{body, stats};
 
 /// Write the poses of one or both hands to a BVH file for animation programs, without typing
 #[derive(clap::Args)]
@@ -60,14 +59,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     checked
         .and_then(|()| files::check_destination(&args.file))
         .map_err(|error| cannot_create(&args.file, &error))?;
-    session::prepare()?;
-    let options = SessionOptions {
-        output: Some(output::open("none", &setup.required_capabilities())?),
-        source: traced.into_source(),
-        lossless_snapshots: true,
-        ..SessionOptions::default()
-    };
-    let session = session::start(setup, options)?;
+    let session = traced.start(setup)?;
     let pose_options = PoseOptions {
         rate_hz: args.rate_hz,
         side: match args.hand {

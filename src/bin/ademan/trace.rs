@@ -9,8 +9,7 @@ use ademan::geometry::EulerOrder;
 use ademan::hand::Joint;
 use ademan::kinematics::HandPose;
 use ademan::message::escape_json;
-use ademan::output;
-use ademan::session::{SessionHandle, SessionOptions};
+use ademan::session::SessionHandle;
 use ademan::setup::{PositionSmoothingSetup, Setup, SmoothingSetup};
 use ademan::snapshot::Snapshot;
 use ademan::trace::Stage;
@@ -23,7 +22,7 @@ use crate::failure::Failure;
 use crate::sensor_tables::SensorTables;
 use crate::setup_args::SetupArgs;
 use crate::traced_setup::TracedSetup;
-use crate::{complete, session, stats};
+use crate::{complete, stats};
 
 /// Print the results of a stage, one JSON object per line
 #[derive(clap::Args)]
@@ -73,15 +72,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
     };
     let as_json = args.json;
     let setup = traced.load(|_| {})?;
-    session::prepare()?;
-    let options = SessionOptions {
-        output: Some(output::open("none", &setup.required_capabilities())?),
-        source: traced.into_source(),
-        lossless_snapshots: true,
-        ..SessionOptions::default()
-    };
     let sensors = SensorTables::new(&setup);
-    let session = session::start(setup, options)?;
+    let session = traced.start(setup)?;
     let printed = match (args.stage, signals) {
         (Some(stage), _) => print(&session, stage, args.euler),
         (None, Some(signals)) => print_stats(&session, signals, sensors, as_json),

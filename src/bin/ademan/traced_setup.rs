@@ -1,11 +1,13 @@
 //! The setup of a source whose results are printed or written, and typed into no program.
 
-use ademan::capture::Source;
 use ademan::capture::recording::Replay;
 use ademan::message::escape_path;
+use ademan::output;
+use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, Setup, SetupError};
 
 use crate::failure::Failure;
+use crate::session;
 use crate::setup_args::SetupArgs;
 
 /// A setup, and the recording that has it.
@@ -60,11 +62,18 @@ impl TracedSetup {
         }
     }
 
-    /// Returns the source, unless the setup names it.
-    pub fn into_source(self) -> Option<Box<dyn Source>> {
-        match self {
-            Self::Own(_) => None,
-            Self::Recorded(replay, _) => Some(replay),
-        }
+    /// Starts the session of a setup that [`load`](Self::load) has returned. It loses no snapshot, and types nothing.
+    pub fn start(self, setup: LoadedSetup) -> Result<SessionHandle, Failure> {
+        session::prepare()?;
+        let options = SessionOptions {
+            output: Some(output::open("none", &setup.required_capabilities())?),
+            source: match self {
+                Self::Own(_) => None,
+                Self::Recorded(replay, _) => Some(replay),
+            },
+            lossless_snapshots: true,
+            ..SessionOptions::default()
+        };
+        session::start(setup, options)
     }
 }
