@@ -16,9 +16,7 @@ use ademan::files::Load;
 use ademan::hand::{Dof, JointAngles, Side};
 use ademan::layout::{Glove, write_calibration};
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};
-use ademan::sim::{
-    GloveFault, HandAction, SimulatedWearer, UsTextField, error_rate, taps_for_text,
-};
+use ademan::sim::{GloveFault, SimulatedWearer, UsTextField, error_rate, taps_for_text};
 use ademan::time::Timestamp;
 
 use crate::sighted_typist::SightedTypist;
@@ -101,41 +99,36 @@ fn percentile(errors: &[f64], fraction: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * fraction).round() as usize]
 }
 
-/// Loads the default setup for a person, with the values of a glove.
-fn load(wearer: &mut SimulatedWearer, map: &ChannelMap, folder: &std::path::Path) -> LoadedSetup {
-    let document = Document::shipped("unam-hc11").unwrap();
-    let path = folder.join("glove.ron");
-    std::fs::write(
-        &path,
-        write_calibration(&document, map, &JointAngles::default()).unwrap(),
-    )
-    .unwrap();
+/// Loads the setup of a person with a calibrated glove.
+pub(super) fn load(
+    wearer: &mut SimulatedWearer,
+    map: &ChannelMap,
+    learn_ranges: bool,
+) -> LoadedSetup {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("glove.ron");
+    let shipped = Document::shipped("unam-hc11").expect("a shipped glove");
+    let text = write_calibration(&shipped, map, &JointAngles::default()).expect("a glove");
+    std::fs::write(&path, text).expect("a file");
     let (hand, forearm) = wearer.measured_lengths();
     let setup = Setup {
-        glove: Some(path.to_str().unwrap().to_owned()),
+        glove: Some(path.display().to_string()),
         arm: ArmSetup::Measured {
             hand_length_mm: hand * 1e3,
             forearm_length_mm: forearm * 1e3,
         },
         layout: "qwerty-flat".into(),
+        learn_ranges,
         ..Setup::default()
     };
-    setup.load_files().unwrap()
+    setup.load_files().expect("a setup")
 }
 
 /// Returns the error rate of a person who types the text and makes at most `corrections` corrections for each key.
 fn typing_error(wearer: &mut SimulatedWearer, map: &ChannelMap, corrections: usize) -> f64 {
-    let folder = tempfile::tempdir().unwrap();
-    let setup = load(wearer, map, folder.path());
+    let setup = load(wearer, map, false);
     let loaded_map = &setup.glove.as_ref().unwrap().map;
     let taps = taps_for_text(TEXT, &setup.layout, false).unwrap();
-    let targets: Vec<_> = taps
-        .iter()
-        .filter_map(|action| match action {
-            HandAction::Tap(point) => Some(point.target),
-            _ => None,
-        })
-        .collect();
     let typist = SightedTypist::new(
         wearer,
         &setup.layout.scene,
@@ -143,7 +136,7 @@ fn typing_error(wearer: &mut SimulatedWearer, map: &ChannelMap, corrections: usi
         &setup.arm,
         corrections,
     );
-    let readings = typist.tap_all(&targets);
+    let readings = typist.tap_all(&taps);
     let (mut pipeline, mut field, mut events) =
         (setup.pipeline(), UsTextField::new(), Events::new());
     for reading in &readings {

@@ -2,16 +2,14 @@
 
 use ademan::command::CommandOrigin;
 use ademan::device::Events;
-use ademan::document::Document;
-use ademan::estimate::{ChannelMap, LearnedRange};
-use ademan::hand::{Dof, JointAngles};
-use ademan::layout::write_calibration;
+use ademan::estimate::LearnedRange;
+use ademan::hand::Dof;
 use ademan::pipeline::{CommandError, PipelineState};
-use ademan::setup::{ArmSetup, LoadedSetup, Setup};
-use ademan::sim::{HandAction, SimulatedWearer, UsTextField, error_rate, taps_for_text};
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::sim::{UsTextField, error_rate, taps_for_text};
 use ademan::time::Timestamp;
 
-use crate::calibration::{calibrate, person};
+use crate::calibration::{calibrate, load, person};
 use crate::key_words::push_key_words;
 use crate::sighted_typist::SightedTypist;
 use crate::support::checked::CheckedPipeline;
@@ -26,27 +24,6 @@ const TEXTS: usize = 24;
 /// The corrections of a person for each key: none, as without a look at the screen.
 const CORRECTIONS: usize = 0;
 
-/// Loads the setup of a person with a calibrated glove.
-fn load(wearer: &mut SimulatedWearer, map: &ChannelMap, learn_ranges: bool) -> LoadedSetup {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("glove.ron");
-    let shipped = Document::shipped("unam-hc11").expect("a shipped glove");
-    let text = write_calibration(&shipped, map, &JointAngles::default()).expect("a glove");
-    std::fs::write(&path, text).expect("a file");
-    let (hand, forearm) = wearer.measured_lengths();
-    let setup = Setup {
-        glove: Some(path.display().to_string()),
-        arm: ArmSetup::Measured {
-            hand_length_mm: hand * 1e3,
-            forearm_length_mm: forearm * 1e3,
-        },
-        layout: "qwerty-flat".into(),
-        learn_ranges,
-        ..Setup::default()
-    };
-    setup.load_files().expect("a setup")
-}
-
 /// Returns the error rates of a text typed again and again, while the sensors become 10 % more sensitive and the person stretches
 /// the hand after each text: in the first and in the last quarter, in percent.
 fn type_while_drifting(seed: u64, learn_ranges: bool) -> [f64; 2] {
@@ -55,11 +32,6 @@ fn type_while_drifting(seed: u64, learn_ranges: bool) -> [f64; 2] {
     let setup = load(&mut wearer, &map, learn_ranges);
     let loaded_map = setup.glove.as_ref().expect("a glove").map.clone();
     let taps = taps_for_text(TEXT, &setup.layout, false).expect("a text");
-    let target = |action: &HandAction| match action {
-        HandAction::Tap(point) => Some(point.target),
-        _ => None,
-    };
-    let targets: Vec<_> = taps.iter().filter_map(target).collect();
     let mut pipeline = setup.pipeline();
     let mut errors = Vec::new();
     for number in 0..TEXTS {
@@ -74,7 +46,7 @@ fn type_while_drifting(seed: u64, learn_ranges: bool) -> [f64; 2] {
             &setup.arm,
             CORRECTIONS,
         );
-        let mut readings = typist.tap_all(&targets);
+        let mut readings = typist.tap_all(&taps);
         readings.extend(wearer.stretch());
         let (mut field, mut events) = (UsTextField::new(), Events::new());
         for reading in &readings {

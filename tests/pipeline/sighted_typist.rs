@@ -1,12 +1,11 @@
 //! A typist who looks at the screen.
 
 use ademan::capture::Reading;
-use ademan::contact::TargetId;
 use ademan::contact::surface::Scene;
 use ademan::estimate::{ChannelMap, Estimate, JointAngles, JointLimits};
 use ademan::hand::Finger;
 use ademan::kinematics::ArmModel;
-use ademan::sim::{SimulatedWearer, TypingHand};
+use ademan::sim::{HandAction, SimulatedWearer, TypingHand};
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
@@ -95,14 +94,18 @@ impl<'a> SightedTypist<'a> {
         }
     }
 
-    /// Returns the readings of a hand that taps these targets. Targets that the scene lacks are left out.
-    pub fn tap_all(mut self, targets: &[TargetId]) -> Vec<Reading> {
-        for (index, &target) in targets.iter().enumerate() {
-            let Some(key) = KeyReach::new(&self.seen.at_rest, self.scene, target) else {
+    /// Returns the readings of a hand that makes these taps. Other actions, and targets that the scene lacks, are left out.
+    pub fn tap_all(mut self, taps: &[HandAction]) -> Vec<Reading> {
+        for action in taps {
+            let HandAction::Tap(point) = action else {
                 continue;
             };
+            let Some(key) = KeyReach::new(&self.seen.at_rest, self.scene, point.target) else {
+                continue;
+            };
+            let is_first = self.readings.is_empty();
             self.tap(&key);
-            if index == 0 {
+            if is_first {
                 self.wait(CLEAR_PACKETS);
                 self.tap(&key);
             }
