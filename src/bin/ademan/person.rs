@@ -9,11 +9,10 @@ use ademan::hand::{Finger, FingerSet, Side};
 use ademan::kinematics::{BoneLengths, HandReach};
 use ademan::layout::{HandUse, Motion, Person, person_field_tables};
 use ademan::message::escape;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
 use crate::list::{ListArgs, Row};
-use crate::setup_args::number_in;
+use crate::setup_args::{number_in, one_of};
 use crate::{complete, field_list, new_file};
 
 /// Create and show persons: the size of the hands, and how a simulated person moves them
@@ -31,7 +30,7 @@ pub enum Args {
         #[arg(default_value = "person")]
         file: PathBuf,
         /// The hand that types, or the first of two
-        #[arg(long, value_name = "SIDE", default_value = "right", value_parser = side())]
+        #[arg(long, value_name = "SIDE", default_value = "right", value_parser = one_of::<Side>(Side::NAMES))]
         hand: Side,
         /// Hand length in mm, from the wrist crease to the end of the middle finger
         #[arg(long, value_name = "MM", value_parser = length)]
@@ -69,11 +68,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
             field_list::print_tables(&args, person_field_tables(), "ademan person fields")
         }
     }
-}
-
-fn side() -> impl TypedValueParser<Value = Side> {
-    PossibleValuesParser::new(Side::ALL.iter().map(|side| side.name()))
-        .map(|name| name.parse().expect("the parser accepts only sides"))
 }
 
 fn length(text: &str) -> Result<f64, String> {

@@ -1,6 +1,8 @@
 //! Flags that override fields of a setup, shared by several subcommands.
 
+use std::fmt::Debug;
 use std::path::Path;
+use std::str::FromStr;
 
 use ademan::capture::SourceUri;
 use ademan::files;
@@ -219,6 +221,17 @@ pub fn role() -> impl TypedValueParser<Value = SourceRole> {
     PossibleValuesParser::new(SourceRole::ALL.map(SourceRole::name)).map(|name| {
         let role = SourceRole::ALL.into_iter().find(|role| role.name() == name);
         role.expect("the parser accepts only names of roles")
+    })
+}
+
+/// Returns the parser of an argument that is one of these names.
+pub fn one_of<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr<Err: Debug> + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names).map(|name| {
+        name.parse::<T>()
+            .expect("the parser accepts only these names")
     })
 }
 

@@ -25,7 +25,6 @@ use ademan::layout::{self, Glove};
 use ademan::message::{escape_path, shell_word};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::{HomeMadeGlove, SimulatedWearer};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use self::destination::Destination;
 use self::feed::Feed;
@@ -33,7 +32,7 @@ use self::hysteresis::Hysteresis;
 use self::lengths::LengthArgs;
 use self::session::{Outcome, Session};
 use crate::failure::Failure;
-use crate::setup_args::{SetupArgs, number_in};
+use crate::setup_args::{SetupArgs, number_in, one_of};
 use crate::source_value::{self, SourceValue};
 use crate::{complete, messages, signals};
 
@@ -59,7 +58,7 @@ pub struct Args {
     #[arg(long, value_name = "NUMBER", num_args = 0..=1, default_missing_value = "1", conflicts_with = "source")]
     demo: Option<u64>,
     /// Home-made glove of the simulated person: LucidGloves with a bend sensor for each finger
-    #[arg(long, value_name = "KIND", requires = "demo", value_parser = home_made())]
+    #[arg(long, value_name = "KIND", requires = "demo", value_parser = one_of::<HomeMadeGlove>(HomeMadeGlove::NAMES))]
     demo_glove: Option<HomeMadeGlove>,
     /// Also bend each finger alone, which shows the sensor of each finger: exchanged ones are put right in the new file
     #[arg(long, conflicts_with_all = ["from", "discover", "hysteresis"])]
@@ -72,7 +71,7 @@ pub struct Args {
     #[arg(long, value_name = "RECORDING|PERCENT", conflicts_with_all = ["from", "demo", "discover", "source"], add = complete::recording())]
     hysteresis: Option<Hysteresis>,
     /// Start from the glove for this hand that comes with the program; with --discover, the hand of the glove whose channels are found
-    #[arg(long, conflicts_with_all = ["from", "glove", "hysteresis"], value_parser = side())]
+    #[arg(long, conflicts_with_all = ["from", "glove", "hysteresis"], value_parser = one_of::<Side>(Side::NAMES))]
     hand: Option<Side>,
     /// Time before each pose, in seconds
     #[arg(long, value_name = "S", default_value = "3", value_parser = seconds)]
@@ -371,17 +370,6 @@ impl From<CalibrationError> for Failure {
     fn from(error: CalibrationError) -> Self {
         Self::job(error.to_string())
     }
-}
-
-/// Parses a hand.
-pub fn side() -> impl TypedValueParser<Value = Side> {
-    PossibleValuesParser::new(Side::ALL.iter().map(|side| side.name()))
-        .map(|name| name.parse().expect("the parser accepts only sides"))
-}
-
-fn home_made() -> impl TypedValueParser<Value = HomeMadeGlove> {
-    PossibleValuesParser::new(HomeMadeGlove::ALL.iter().map(|kind| kind.name()))
-        .map(|name| name.parse().expect("the parser accepts only kinds"))
 }
 
 /// Parses the time before a pose.

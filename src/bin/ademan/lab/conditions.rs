@@ -19,12 +19,12 @@ use ademan::people::{Participant, People, Tier, population};
 use ademan::phrases::{Corpus, PhraseSet};
 use ademan::sim::backspace_of;
 use ademan::sim::fluent::SourceKind;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::TypedValueParser;
 
 use super::decoder::{Decoder, DecoderArg};
 use super::outputs;
 use crate::failure::Failure;
-use crate::setup_args::number_in;
+use crate::setup_args::{number_in, one_of};
 use crate::{complete, signals};
 
 /// Most threads: as many as large machines have processors.
@@ -47,13 +47,13 @@ pub struct ConditionArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PEOPLE)))]
     people: Option<u32>,
     /// Sensor of the hands: ideal, camera or glove
-    #[arg(long, value_name = "SOURCE", default_value = "ideal", value_parser = source())]
+    #[arg(long, value_name = "SOURCE", default_value = "ideal", value_parser = one_of::<SourceKind>(SourceKind::NAMES))]
     source: SourceKind,
     /// Quality of the touches instead of the people's own: T0 to T4 are 3, 5, 6, 8 and 10 mm of scatter, Toff an offset of 8 mm
-    #[arg(long, value_name = "TIER", value_parser = tier())]
+    #[arg(long, value_name = "TIER", value_parser = one_of::<Tier>(Tier::NAMES))]
     tier: Option<Tier>,
     /// Phrases that come with the program
-    #[arg(long, value_name = "SET", default_value = "en", value_parser = set())]
+    #[arg(long, value_name = "SET", default_value = "en", value_parser = one_of::<PhraseSet>(PhraseSet::NAMES))]
     phrases: PhraseSet,
     /// Text to type instead: a file with one phrase on each line
     #[arg(long, value_name = "FILE", conflicts_with = "phrases")]
@@ -74,22 +74,6 @@ pub struct ConditionArgs {
     /// Threads; by default one for each processor. The results do not depend on them
     #[arg(long, value_name = "N", value_parser = jobs())]
     jobs: Option<NonZeroUsize>,
-}
-
-fn source() -> impl TypedValueParser<Value = SourceKind> {
-    PossibleValuesParser::new(SourceKind::ALL.iter().map(|it| it.name()))
-        .map(|name| name.parse().expect("the parser accepts only sources"))
-}
-
-fn tier() -> impl TypedValueParser<Value = Tier> {
-    PossibleValuesParser::new(Tier::ALL.iter().map(|it| it.name()))
-        .map(|name| name.parse().expect("the parser accepts only tiers"))
-}
-
-/// Returns the parser of a set of phrases.
-pub fn set() -> impl TypedValueParser<Value = PhraseSet> {
-    PossibleValuesParser::new(PhraseSet::ALL.iter().map(|it| it.name()))
-        .map(|name| name.parse().expect("the parser accepts only sets"))
 }
 
 /// Returns the parser of a number of threads. A system refuses to start ever more of them.

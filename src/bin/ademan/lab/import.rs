@@ -4,27 +4,22 @@ use std::path::PathBuf;
 
 use ademan::import::{ImportHands, import};
 use ademan::message::escape_path;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::outputs;
 use crate::failure::Failure;
 use crate::new_file;
+use crate::setup_args::one_of;
 
 #[derive(clap::Args)]
 pub struct Args {
     /// File to import: a .dof file, or a text grid with three rows of keys
     file: PathBuf,
     /// Boards: one for each hand, or one for the right hand
-    #[arg(long, value_name = "HANDS", default_value = "two", value_parser = hands())]
+    #[arg(long, value_name = "HANDS", default_value = "two", value_parser = one_of::<ImportHands>(ImportHands::NAMES))]
     hands: ImportHands,
     /// Layout to create, or `-` for the standard output; NAME.ron in this folder by default. An existing file is not overwritten
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
-}
-
-fn hands() -> impl TypedValueParser<Value = ImportHands> {
-    PossibleValuesParser::new(ImportHands::NAMES)
-        .map(|name| name.parse().expect("the parser accepts only hands"))
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {

@@ -11,11 +11,11 @@ use ademan::layout::Layout;
 use ademan::measures::{Comparison, FEWEST_PEOPLE, Interval, LabResult, compare};
 use ademan::message::{escape, escape_path, shell_word};
 use ademan::session::counted;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::conditions::{ConditionArgs, Prepared};
 use super::{OutputArgs, kinds, outputs, table};
 use crate::failure::Failure;
+use crate::setup_args::{number_in, one_of};
 use crate::{complete, new_file, result_files, signals};
 
 /// The people of the search and the held-out people by default.
@@ -31,7 +31,7 @@ pub struct Args {
     #[arg(add = complete::layout())]
     layout: String,
     /// Parts that may change: positions of boards, rows and controls; sizes; or which key has which letter. Several with commas
-    #[arg(long = "move", value_name = "MOVES", required = true, value_delimiter = ',', value_parser = kind())]
+    #[arg(long = "move", value_name = "MOVES", required = true, value_delimiter = ',', value_parser = one_of::<MoveKind>(MoveKind::NAMES))]
     kinds: Vec<MoveKind>,
     /// Objective: speed, errors or effort, or weights such as speed=1,errors=2
     #[arg(long, value_name = "OBJECTIVE", default_value = "speed")]
@@ -57,13 +57,8 @@ pub struct Args {
     outputs: OutputArgs,
 }
 
-fn kind() -> impl TypedValueParser<Value = MoveKind> {
-    PossibleValuesParser::new(MoveKind::NAMES)
-        .map(|name| name.parse().expect("the parser accepts only moves"))
-}
-
 fn margin(text: &str) -> Result<f64, String> {
-    crate::setup_args::number_in(text, 0.0, 500.0, "mm")
+    number_in(text, 0.0, 500.0, "mm")
 }
 
 /// The file of the result.

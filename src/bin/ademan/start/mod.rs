@@ -20,6 +20,7 @@ use self::question::{Questions, interrupted};
 use crate::calibrate::{self, destination::Destination};
 use crate::complete;
 use crate::failure::Failure;
+use crate::setup_args::one_of;
 use crate::source_value::SourceValue;
 use crate::{practice, signals};
 
@@ -42,7 +43,7 @@ pub struct Args {
     #[arg(long)]
     simulated: bool,
     /// Hand that is measured
-    #[arg(long, value_parser = calibrate::side())]
+    #[arg(long, value_parser = one_of::<Side>(Side::NAMES))]
     hand: Option<Side>,
     /// Layout: the name of one that comes with the program, or a file
     #[arg(long, add = complete::layout())]

@@ -21,10 +21,10 @@ use ademan::trials::{Station, TrialError};
 
 use self::add::AddArgs;
 use self::report::ReportArgs;
-use super::conditions::set;
 use super::outputs;
 use crate::complete;
 use crate::failure::Failure;
+use crate::setup_args::one_of;
 
 /// The name of the study in its folder.
 const STUDY: &str = "study.json";
@@ -58,7 +58,7 @@ pub struct NewArgs {
     #[arg(required = true, num_args = 1.., value_name = "LAYOUT", add = complete::layout())]
     layouts: Vec<String>,
     /// Phrases that come with the program
-    #[arg(long, value_name = "SET", default_value = "en", value_parser = set())]
+    #[arg(long, value_name = "SET", default_value = "en", value_parser = one_of::<PhraseSet>(PhraseSet::NAMES))]
     phrases: PhraseSet,
     /// Text to type instead: a file with one phrase on each line
     #[arg(long, value_name = "FILE", conflicts_with = "phrases")]
