@@ -52,7 +52,7 @@ static void sendReading() {
   readChannels();
   uint8_t packet[2 + PACKET_CHANNELS] = {6, 6};
   for (uint8_t channel = 0; channel < CHANNEL_COUNT; channel++) {
-    packet[2 + channel] = counts[channel] >> (ADC_BITS - 8);
+    packet[2 + channel] = (uint8_t)(counts[channel] >> (ADC_BITS - 8));
   }
   // Waits while the line is busy, so that packets follow each other at its rate.
   Serial.write(packet, sizeof(packet));
@@ -91,7 +91,7 @@ static bool readRegisters(uint8_t first, uint8_t* values, uint8_t count) {
     return false;
   }
   for (uint8_t index = 0; index < count; index++) {
-    values[index] = Wire.read();
+    values[index] = (uint8_t)Wire.read();
   }
   return true;
 }

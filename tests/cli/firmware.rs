@@ -44,6 +44,12 @@ fn readings(macros: &[&str], protocol: &str, count: usize) -> Option<Vec<Value>>
             return None;
         }
     };
+    let mut sketch = Command::new(sketch);
+    Some(readings_of(sketch.arg("100000000"), protocol, count))
+}
+
+/// Returns the first readings that `ademan trace` gets over a serial line of what a command writes.
+pub(crate) fn readings_of(sketch: &mut Command, protocol: &str, count: usize) -> Vec<Value> {
     let uri: SourceUri = format!("serial:/dev/null?protocol={protocol}")
         .parse()
         .expect("a source");
@@ -57,9 +63,8 @@ fn readings(macros: &[&str], protocol: &str, count: usize) -> Option<Vec<Value>>
         .stdout(Stdio::piped())
         .stderr(Stdio::null());
     let mut trace = Process::start(&mut trace).expect("the program starts");
-    let mut sketch = Command::new(sketch);
-    sketch.arg("100000000").stdout(Stdio::piped());
-    let mut sketch = Process::start(&mut sketch).expect("the sketch starts");
+    sketch.stdout(Stdio::piped());
+    let mut sketch = Process::start(sketch).expect("the sketch starts");
     let mut sent = sketch.0.stdout.take().expect("stdout is piped");
     let sender = thread::spawn(move || {
         let mut bytes = [0; 64];
@@ -78,13 +83,24 @@ fn readings(macros: &[&str], protocol: &str, count: usize) -> Option<Vec<Value>>
     drop((sketch, trace));
     sender.join().expect("the bytes are sent");
     assert_eq!(readings.len(), count);
-    Some(readings)
+    readings
 }
 
 /// Returns the counts of a reading.
-fn counts(reading: &Value) -> Vec<u64> {
+pub(crate) fn counts(reading: &Value) -> Vec<u64> {
     let counts = reading["channels"].as_array().expect("counts");
     counts.iter().filter_map(Value::as_u64).collect()
+}
+
+/// Returns the angle by which a reading turns the wrist about the vertical, and asserts that it turns about nothing else.
+pub(crate) fn wrist_degrees(reading: &Value) -> f64 {
+    let displacement = &reading["displacement"];
+    assert_eq!(displacement["joint"], "wrist");
+    let number = |index: usize| displacement["rotation"][index].as_f64().expect("a number");
+    let [x, y, z, w] = std::array::from_fn(number);
+    assert!(x.abs() < 2e-4 && z.abs() < 2e-4, "{reading}");
+    assert!((y.hypot(w) - 1.0).abs() < 1e-3, "{reading}");
+    2.0 * y.atan2(w).to_degrees()
 }
 
 #[test]
@@ -132,14 +148,8 @@ fn quaternions_of_the_inertial_sensor_turn_the_wrist_about_the_vertical() {
     };
     let mut latest = -1.0_f64;
     for reading in readings {
-        let displacement = &reading["displacement"];
-        assert_eq!(displacement["joint"], "wrist");
-        let number = |index: usize| displacement["rotation"][index].as_f64().expect("a number");
-        let [x, y, z, w] = std::array::from_fn(number);
-        assert!(x.abs() < 2e-4 && z.abs() < 2e-4, "{reading}");
-        assert!((y.hypot(w) - 1.0).abs() < 1e-3, "{reading}");
         // A degree per line, and two after a request that has failed.
-        let degrees = 2.0 * y.atan2(w).to_degrees();
+        let degrees = wrist_degrees(&reading);
         let turned = degrees.rem_euclid(360.0) - latest.max(0.0);
         assert!(latest < 0.0 || turned > 0.5, "{degrees} after {latest}");
         latest = degrees.rem_euclid(360.0);

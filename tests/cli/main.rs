@@ -31,6 +31,8 @@ mod faults;
 mod files;
 #[cfg(target_os = "linux")]
 mod firmware;
+#[cfg(target_os = "linux")]
+mod firmware_avr;
 mod first_use;
 #[cfg(target_os = "linux")]
 mod haptics;
