@@ -18,7 +18,7 @@ const uint8_t PACKET_CHANNELS = 64;
 static_assert(PIN_COUNT * MUX_INPUTS <= PACKET_CHANNELS, "a packet has 64 channels");
 static_assert(MUX_INPUTS <= 1 << SELECT_COUNT, "the multiplexers have more inputs than the select pins can name");
 
-// The LED blinks about twice a second while the sketch sends.
+// The LED blinks twice a second while the sketch sends, and is dark otherwise.
 const unsigned long BLINK_MS = 250;
 
 static void blink() {
@@ -48,7 +48,7 @@ static void readChannels() {
 
 #if FORMAT == FORMAT_HC11
 
-static void sendReading() {
+static bool sendReading() {
   readChannels();
   uint8_t packet[2 + PACKET_CHANNELS] = {6, 6};
   for (uint8_t channel = 0; channel < CHANNEL_COUNT; channel++) {
@@ -56,6 +56,7 @@ static void sendReading() {
   }
   // Waits while the line is busy, so that packets follow each other at its rate.
   Serial.write(packet, sizeof(packet));
+  return true;
 }
 
 #elif FORMAT == FORMAT_LUCIDGLOVES
@@ -65,29 +66,30 @@ static_assert(isChannel(CURL_CHANNELS[0]) && isChannel(CURL_CHANNELS[1]) && isCh
                   isChannel(CURL_CHANNELS[3]) && isChannel(CURL_CHANNELS[4]),
               "CURL_CHANNELS names a channel that no pin measures: add pins to ANALOG_PINS, or inputs with MUX_INPUTS");
 
-static void sendReading() {
+static bool sendReading() {
   readChannels();
   for (uint8_t finger = 0; finger < 5; finger++) {
     Serial.print((char)('A' + finger));
     Serial.print((unsigned int)counts[CURL_CHANNELS[finger]]);
   }
   Serial.print('\n');
+  return true;
 }
 
 #elif FORMAT == FORMAT_IMU
 
-// The BNO055 at its first address: registers of the identity, the mode and the quaternion, and the mode that fuses gyroscope and
-// accelerometer without the compass, which motors and steel disturb.
-const uint8_t BNO055 = 0x28;
+// Registers of the BNO055: its identity, its mode and the quaternion, and the mode that fuses gyroscope and accelerometer without the
+// compass, which motors and steel disturb.
 const uint8_t CHIP_ID = 0x00, CHIP_ID_VALUE = 0xa0;
-const uint8_t OPERATION_MODE = 0x3d, IMU_MODE = 0x08;
+const uint8_t OPERATION_MODE = 0x3d, MODE_MASK = 0x0f, IMU_MODE = 0x08;
 const uint8_t QUATERNION = 0x20;
 const float QUATERNION_SCALE = 1.0f / 16384.0f;
+const unsigned long RETRY_MS = 50;
 
 static bool readRegisters(uint8_t first, uint8_t* values, uint8_t count) {
-  Wire.beginTransmission(BNO055);
+  Wire.beginTransmission(IMU_ADDRESS);
   Wire.write(first);
-  if (Wire.endTransmission() != 0 || Wire.requestFrom(BNO055, count) != count) {
+  if (Wire.endTransmission() != 0 || Wire.requestFrom(IMU_ADDRESS, count) != count) {
     return false;
   }
   for (uint8_t index = 0; index < count; index++) {
@@ -96,34 +98,78 @@ static bool readRegisters(uint8_t first, uint8_t* values, uint8_t count) {
   return true;
 }
 
-static void startImu() {
-  Wire.begin();
-  uint8_t id = 0;
-  // It needs 0.65 s after power-up.
-  while (!readRegisters(CHIP_ID, &id, 1) || id != CHIP_ID_VALUE) {
-    delay(50);
+// Starts the bus. A sensor that lost its clock within a byte, as by a reset of the board, holds SDA low until it gets the pulses
+// that are missing.
+static void startBus() {
+  Wire.end();
+  for (uint8_t pulse = 0; pulse < 9; pulse++) {
+    pinMode(SCL, OUTPUT);
+    digitalWrite(SCL, LOW);
+    delayMicroseconds(5);
+    pinMode(SCL, INPUT);
+    delayMicroseconds(5);
   }
-  Wire.beginTransmission(BNO055);
+  Wire.begin();
+#if defined(ARDUINO_ARCH_AVR)
+  // By default it waits for a disturbed bus without end. The library of the ESP32 has a limit of its own.
+  Wire.setWireTimeout(25000, true);
+#endif
+}
+
+// Returns `true` if the sensor is in its mode. It needs 0.65 s after power-up.
+static bool startImu() {
+  uint8_t id = 0, mode = 0;
+  if (!readRegisters(CHIP_ID, &id, 1) || id != CHIP_ID_VALUE || !readRegisters(OPERATION_MODE, &mode, 1)) {
+    return false;
+  }
+  if ((mode & MODE_MASK) == IMU_MODE) {
+    return true;
+  }
+  Wire.beginTransmission(IMU_ADDRESS);
   Wire.write(OPERATION_MODE);
   Wire.write(IMU_MODE);
-  Wire.endTransmission();
+  if (Wire.endTransmission() != 0) {
+    return false;
+  }
   delay(20);
+  return true;
 }
 
 // Sends w, x, y, z. A reading that fails is left out: the receiver notices silence, not a wrong pose.
-static void sendReading() {
+static bool sendReading() {
+  static bool isStarted = false;
   uint8_t bytes[8];
+  if (!isStarted) {
+    isStarted = startImu();
+  }
+  if (!isStarted) {
+    delay(RETRY_MS);
+    startBus();
+    return false;
+  }
   if (!readRegisters(QUATERNION, bytes, sizeof(bytes))) {
-    return;
+    isStarted = false;
+    return false;
+  }
+  int16_t numbers[4];
+  bool isZero = true;
+  for (uint8_t index = 0; index < 4; index++) {
+    numbers[index] = (int16_t)(bytes[2 * index] | (uint16_t)bytes[2 * index + 1] << 8);
+    isZero = isZero && numbers[index] == 0;
+  }
+  if (isZero) {
+    // It has lost its power and its mode, or has no result yet.
+    isStarted = false;
+    return false;
   }
   for (uint8_t index = 0; index < 4; index++) {
-    int16_t number = (int16_t)(bytes[2 * index] | (uint16_t)bytes[2 * index + 1] << 8);
     if (index > 0) {
       Serial.print(',');
     }
-    Serial.print(number * QUATERNION_SCALE, 5);
+    Serial.print(numbers[index] * QUATERNION_SCALE, 5);
   }
   Serial.print('\n');
+  return true;
 }
 
 #else
@@ -134,7 +180,7 @@ void setup() {
   Serial.begin(BAUD);
   pinMode(LED_PIN, OUTPUT);
 #if FORMAT == FORMAT_IMU
-  startImu();
+  startBus();
 #else
   for (uint8_t bit = 0; bit < SELECT_COUNT; bit++) {
     pinMode(SELECT_PINS[bit], OUTPUT);
@@ -152,6 +198,9 @@ void loop() {
   }
   next = micros() + period;
 #endif
-  sendReading();
-  blink();
+  if (sendReading()) {
+    blink();
+  } else {
+    digitalWrite(LED_PIN, LOW);
+  }
 }

@@ -39,5 +39,8 @@ const unsigned int SETTLE_US = 10;
 // The channels of thumb, index, middle, ring and little finger for LUCIDGLOVES.
 constexpr uint8_t CURL_CHANNELS[5] = {0, 1, 2, 3, 4};
 
+// Address of the BNO055: 0x28, or 0x29 with its pin ADR at 3.3 V.
+const uint8_t IMU_ADDRESS = 0x28;
+
 // Lines per second of LUCIDGLOVES and IMU.
 const unsigned long LINE_RATE_HZ = 100;

@@ -9,6 +9,7 @@
 
 struct TwoWire {
   void begin();
+  void end();
   void beginTransmission(uint8_t address);
   size_t write(uint8_t value);
   uint8_t endTransmission();

@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 static uint64_t now_us = 0;
@@ -62,6 +63,8 @@ size_t SerialPort::write(const uint8_t* bytes, size_t count) {
 
 size_t SerialPort::print(char character) { return write((const uint8_t*)&character, 1); }
 
+size_t SerialPort::print(const char* text) { return write((const uint8_t*)text, strlen(text)); }
+
 size_t SerialPort::print(unsigned int number) {
   char text[16];
   return write((const uint8_t*)text, snprintf(text, sizeof(text), "%u", number));
@@ -82,6 +85,7 @@ static uint8_t written = 0;
 static int requests = 0;
 
 void TwoWire::begin() {}
+void TwoWire::end() {}
 
 void TwoWire::beginTransmission(uint8_t address) {
   if (address != 0x28) fail("no device has this address");

@@ -157,3 +157,43 @@ fn an_arduino_nano_sends_a_hundred_quaternions_per_second() {
         assert!((turned - 1.0).abs() < 0.5, "{turned} degrees in a line");
     }
 }
+
+#[test]
+fn a_missing_inertial_sensor_is_awaited_with_a_dark_led() {
+    let Some(board) = Board::build("FORMAT_IMU") else {
+        return;
+    };
+    let sent = board.run(2000, &["sensor=absent"]);
+    assert_eq!(sent.text(), "");
+    assert!(sent.measured("led_changes") < 1.0);
+    let attempts = sent.measured("bus_starts");
+    assert!(attempts > 20.0, "{attempts} attempts in 2 s");
+}
+
+#[test]
+fn an_inertial_sensor_that_holds_the_bus_after_a_reset_of_the_board_is_freed() {
+    let Some(board) = Board::build("FORMAT_IMU") else {
+        return;
+    };
+    let sent = board.run(2000, &["sensor=stuck"]);
+    sent.check_board();
+    let count = sent.text().lines().count();
+    assert!(count > 190, "{count} lines in 2 s");
+}
+
+#[test]
+fn an_inertial_sensor_that_lost_its_power_is_started_again_and_no_line_is_zero() {
+    let Some(board) = Board::build("FORMAT_IMU") else {
+        return;
+    };
+    let sent = board.run(2000, &["power=1000"]);
+    let lines = sent.text();
+    assert!(
+        !lines.contains("0.00000,0.00000,0.00000,0.00000"),
+        "{lines}"
+    );
+    // The simulated sensor has another north afterwards.
+    let after = lines.lines().skip_while(|line| !line.starts_with('-'));
+    let count = after.count();
+    assert!((70..=90).contains(&count), "{count} lines in 0.9 s");
+}
