@@ -113,7 +113,8 @@ fn an_arduino_nano_sends_each_count_on_its_channel_and_is_read_on_after_a_reset(
     for reading in &readings {
         assert_eq!(counts(reading), expected);
     }
-    assert!(readings.len() > 250, "{} packets in 2 s", readings.len());
+    // A byte takes 93 us here, because the simulator has no second buffer: 324 packets fill the line.
+    assert!(readings.len() > 315, "{} packets in 2 s", readings.len());
 }
 
 #[test]
