@@ -132,6 +132,8 @@ static bool startImu() {
     return false;
   }
   delay(20);
+  // The receiver takes a new neutral pose: the sensor has another north now.
+  Serial.print("BNO055 started\n");
   return true;
 }
 

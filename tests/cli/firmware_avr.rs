@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::firmware::{counts, wrist_degrees};
+use crate::firmware::{counts, readings_of, wrist_degrees};
 use crate::{run, text};
 
 /// Code with which the script ends if it lacks a tool or a library.
@@ -193,8 +193,21 @@ fn an_inertial_sensor_that_lost_its_power_is_started_again_and_no_line_is_zero()
         !lines.contains("0.00000,0.00000,0.00000,0.00000"),
         "{lines}"
     );
-    // The simulated sensor has another north afterwards.
-    let after = lines.lines().skip_while(|line| !line.starts_with('-'));
-    let count = after.count();
+    let after = lines.rsplit("BNO055 started\n").next().unwrap_or_default();
+    let count = after.lines().count();
     assert!((70..=90).contains(&count), "{count} lines in 0.9 s");
+}
+
+#[test]
+fn the_wrist_turns_from_a_new_neutral_pose_after_the_sensor_lost_its_power() {
+    let Some(board) = Board::build("FORMAT_IMU") else {
+        return;
+    };
+    // Each 0.5 s it loses its power, and its north turns by 200 degrees. It turns by a degree per line. The board runs until it is read.
+    let mut command = board.command(u32::MAX, &["power=500"]);
+    let readings = readings_of(command.stderr(Stdio::null()), "imu", 200);
+    let degrees: Vec<f64> = readings.iter().map(wrist_degrees).collect();
+    let is_expected = |angle: &f64| (-1.0..60.0).contains(angle);
+    assert!(degrees.iter().all(is_expected), "{degrees:?}");
+    assert!(!degrees.is_sorted(), "it never started again: {degrees:?}");
 }

@@ -20,7 +20,14 @@ pub trait LineParser: Send {
         false
     }
 
-    /// Forgets earlier lines, after a stream broke off.
+    /// Returns `true` if a line of an unknown form is text that a board prints when it restarts. The default, for packets without a
+    /// relation to earlier ones, is `false`.
+    fn is_restart(line: &[u8]) -> bool {
+        let _ = line;
+        false
+    }
+
+    /// Forgets earlier lines, after a stream broke off or its sender restarted.
     fn reset(&mut self) {}
 
     /// Returns the form of feedback that the sender of the latest packet reads, if its packets show it.
@@ -47,6 +54,9 @@ pub struct LineDecoder<P> {
     line_start: u64,
     /// `true` if the previous line was skipped.
     is_searching: bool,
+    /// `true` after a packet: text before the first packet is a normal start.
+    has_packet: bool,
+    has_restarted: bool,
     last_error: Option<PacketError>,
 }
 
@@ -62,6 +72,8 @@ impl<P: LineParser> LineDecoder<P> {
             stats: SourceStats::default(),
             line_start: 0,
             is_searching: false,
+            has_packet: false,
+            has_restarted: false,
             last_error: None,
         }
     }
@@ -99,15 +111,27 @@ impl<P: LineParser> LineDecoder<P> {
                 emit(Packet { end, ..packet });
             })
         };
-        self.line.clear();
         self.stats.readings += packets;
+        self.has_packet |= packets > 0;
         if let Err(error) = &result {
             self.stats.skipped_bytes += bytes;
             self.stats.resyncs += u64::from(!self.is_searching);
             self.stats.invalid.count(error.reason);
+            self.check_restart(error.reason);
         }
+        self.line.clear();
         self.is_searching = result.is_err();
         self.last_error = result.err();
+    }
+
+    /// Checks a line that was refused for this reason. A restart of the sender breaks its stream off.
+    fn check_restart(&mut self, reason: InvalidPacket) {
+        if self.has_packet && reason == InvalidPacket::Unknown && P::is_restart(&self.line) {
+            // Further lines of text belong to the same restart.
+            self.has_packet = false;
+            self.has_restarted = true;
+            self.parser.reset();
+        }
     }
 
     fn push_to_line(&mut self, bytes: &[u8]) {
@@ -183,6 +207,7 @@ impl<P: LineParser> Decoder for LineDecoder<P> {
         self.line_start = self.stats.bytes;
         self.line.clear();
         (self.is_skipping, self.is_searching) = (false, false);
+        self.has_packet = false;
         self.parser.reset();
     }
 
@@ -200,5 +225,9 @@ impl<P: LineParser> Decoder for LineDecoder<P> {
 
     fn feedback(&self) -> Option<&'static FeedbackFormat> {
         self.parser.feedback()
+    }
+
+    fn take_restart(&mut self) -> bool {
+        std::mem::take(&mut self.has_restarted)
     }
 }

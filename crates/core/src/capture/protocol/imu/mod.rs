@@ -11,7 +11,7 @@
 //! the option `joint` from its pose at rest; a sensor measures no position.
 //!
 //! A quaternion of another length than 1 is a damaged line. The decoder scales the length of one within a tenth to 1. The neutral
-//! pose ends with the stream: a sensor that starts again has another north.
+//! pose ends with the stream, and with a line of text in which a board says that it starts: a sensor that starts again has another north.
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
@@ -84,6 +84,10 @@ const NUMBERS: usize = 4;
 
 /// Largest difference of the length of a quaternion from 1. Senders round to two decimals or more.
 const MAX_LENGTH_ERROR: f64 = 0.1;
+
+/// Words of which a line has one when a board or its sensor starts, in any case. Other text, such as the state of a calibration, may
+/// come at any time.
+const RESTART_WORDS: [&str; 3] = ["boot", "reset", "start"];
 
 /// Parser of one line.
 #[derive(Clone, Debug)]
@@ -174,6 +178,13 @@ impl LineParser for ImuParser {
     fn may_lack_start(_: &[u8]) -> bool {
         // The first number may lack its sign or digits.
         true
+    }
+
+    fn is_restart(line: &[u8]) -> bool {
+        RESTART_WORDS.iter().any(|word| {
+            let mut parts = line.windows(word.len());
+            parts.any(|part| part.eq_ignore_ascii_case(word.as_bytes()))
+        })
     }
 
     fn reset(&mut self) {

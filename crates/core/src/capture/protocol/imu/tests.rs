@@ -146,3 +146,29 @@ fn a_line_that_lost_its_start_before_a_serial_port_was_opened_is_no_neutral_pose
     let turn = rotation(&after_the_loss[0]);
     assert!(turn.angle_between(Quat::IDENTITY) < 1e-3);
 }
+
+#[test]
+fn text_after_a_packet_is_a_restart_with_a_neutral_pose_of_its_own() {
+    for (text, is_restart) in [
+        ("BNO055 started", true),
+        (
+            "rst:0x1 (POWERON_RESET),boot:0x13 (SPI_FAST_FLASH_BOOT)",
+            true,
+        ),
+        ("Calibration: Sys=3 Gyro=3 Accel=1", false),
+        ("0.99812,0.01221,-0.05", false),
+        ("0.99812,0.0p221,-0.05102,0.03015 time_us=", false),
+        ("nan,nan,nan,nan", false),
+        ("infinity,0,0,1", false),
+    ] {
+        let mut decoder = decoder(&ProtocolOptions::default());
+        let before = decode(&mut decoder, &format!("{text}\n{NEUTRAL}\n"));
+        assert_eq!(before.len(), 1, "{text}");
+        assert!(!decoder.take_restart(), "{text} is a start");
+        let after = decode(&mut decoder, &format!("{text}\n{text}\n{}\n", TURNED[3]));
+        assert_eq!(decoder.take_restart(), is_restart, "{text}");
+        assert!(!decoder.take_restart(), "{text} is reported once");
+        let is_neutral = rotation(&after[0]).angle_between(Quat::IDENTITY) < 1e-3;
+        assert_eq!(is_neutral, is_restart, "{text}");
+    }
+}
