@@ -13,7 +13,6 @@
 
 const uint8_t PIN_COUNT = sizeof(ANALOG_PINS) / sizeof(ANALOG_PINS[0]);
 const uint8_t SELECT_COUNT = sizeof(SELECT_PINS) / sizeof(SELECT_PINS[0]);
-const uint8_t CHANNEL_COUNT = PIN_COUNT * MUX_INPUTS;
 const uint8_t PACKET_CHANNELS = 64;
 static_assert(PIN_COUNT * MUX_INPUTS <= PACKET_CHANNELS, "a packet has 64 channels");
 static_assert(MUX_INPUTS <= 1 << SELECT_COUNT, "the multiplexers have more inputs than the select pins can name");
@@ -27,32 +26,32 @@ static void blink() {
 
 #if FORMAT != FORMAT_IMU
 
-static uint16_t counts[PACKET_CHANNELS];
-
-// Reads all channels in wire order: input 0 of every multiplexer, then input 1 of every multiplexer, and so on.
-static void readChannels() {
-  for (uint8_t input = 0; input < MUX_INPUTS; input++) {
-    for (uint8_t bit = 0; bit < SELECT_COUNT; bit++) {
-      digitalWrite(SELECT_PINS[bit], (input >> bit) & 1 ? HIGH : LOW);
-    }
-    delayMicroseconds(SETTLE_US);
-    for (uint8_t pin = 0; pin < PIN_COUNT; pin++) {
-      // The first conversion after a change of the input still has part of the voltage before it.
-      (void)analogRead(ANALOG_PINS[pin]);
-      counts[input * PIN_COUNT + pin] = analogRead(ANALOG_PINS[pin]);
-    }
+// Connects an input of every multiplexer to its pin.
+static void selectInput(uint8_t input) {
+  for (uint8_t bit = 0; bit < SELECT_COUNT; bit++) {
+    digitalWrite(SELECT_PINS[bit], (input >> bit) & 1 ? HIGH : LOW);
   }
+  delayMicroseconds(SETTLE_US);
+}
+
+static uint16_t readPin(uint8_t pin) {
+  // The first conversion after a change of the input still has part of the voltage before it.
+  (void)analogRead(ANALOG_PINS[pin]);
+  return (uint16_t)analogRead(ANALOG_PINS[pin]);
 }
 
 #endif
 
 #if FORMAT == FORMAT_HC11
 
+// Sends all channels in wire order: input 0 of every multiplexer, then input 1 of every multiplexer, and so on.
 static bool sendReading() {
-  readChannels();
   uint8_t packet[2 + PACKET_CHANNELS] = {6, 6};
-  for (uint8_t channel = 0; channel < CHANNEL_COUNT; channel++) {
-    packet[2 + channel] = (uint8_t)(counts[channel] >> (ADC_BITS - 8));
+  for (uint8_t input = 0; input < MUX_INPUTS; input++) {
+    selectInput(input);
+    for (uint8_t pin = 0; pin < PIN_COUNT; pin++) {
+      packet[2 + input * PIN_COUNT + pin] = (uint8_t)(readPin(pin) >> (ADC_BITS - 8));
+    }
   }
   // Waits while the line is busy, so that packets follow each other at its rate.
   Serial.write(packet, sizeof(packet));
@@ -67,10 +66,10 @@ static_assert(isChannel(CURL_CHANNELS[0]) && isChannel(CURL_CHANNELS[1]) && isCh
               "CURL_CHANNELS names a channel that no pin measures: add pins to ANALOG_PINS, or inputs with MUX_INPUTS");
 
 static bool sendReading() {
-  readChannels();
   for (uint8_t finger = 0; finger < 5; finger++) {
+    selectInput(CURL_CHANNELS[finger] / PIN_COUNT);
     Serial.print((char)('A' + finger));
-    Serial.print((unsigned int)counts[CURL_CHANNELS[finger]]);
+    Serial.print((unsigned int)readPin(CURL_CHANNELS[finger] % PIN_COUNT));
   }
   Serial.print('\n');
   return true;

@@ -135,6 +135,9 @@ fn an_arduino_nano_sends_a_hundred_lines_of_curls_per_second() {
     );
     let count = lines.lines().count();
     assert!((199..=201).contains(&count), "{count} lines in 2 s");
+    // Two for each finger.
+    let conversions = sent.measured("conversions") as usize;
+    assert!(conversions <= 10 * (count + 1), "{conversions} conversions");
     let readings = sent.readings("lucidgloves&max=1023");
     let expected =
         [3.0, 7.0, 11.0, 15.0, 19.0].map(|count: f64| (count * 4095.0 / 1023.0).round() as u64);

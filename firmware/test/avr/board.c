@@ -4,8 +4,8 @@
 //
 //     board SKETCH.elf MILLISECONDS [OPTION]...
 //
-// What the sketch sends goes to the standard output. A line `CHANNEL MILLIVOLTS` on the standard input sets the voltage of a sensor.
-// At the end a JSON object with what the simulator has measured goes to the standard error.
+// What the sketch sends goes to the standard output. A line `CHANNEL MILLIVOLTS` on the standard input sets the voltage of a sensor;
+// `CHANNEL -1` leaves an input open, which keeps the voltage that the converter had. At the end a JSON object with what the simulator has measured goes to the standard error.
 //
 //     reset=MS        resets the board at this time, as an adapter does when its port is opened
 //     sensor=absent   no BNO055 is wired
@@ -79,11 +79,13 @@ static double select_changed_us = -1e6, shortest_settle_us = 1e9;
 static double wires_mv[MUXES];
 static double converter_mv = 0;
 static int converted_pin = -1;
+static long conversions = 0;
 static avr_irq_t* adc;
 
 // The voltage of a wire between a multiplexer and the board.
 static double wire_mv(int mux) {
   double target = sensors_mv[selected * MUXES + mux];
+  if (target < 0) return wires_mv[mux];
   return target + (wires_mv[mux] - target) * exp(-(now_us() - select_changed_us) / SETTLE_TAU_US);
 }
 
@@ -105,9 +107,10 @@ static void on_conversion(struct avr_irq_t* irq, uint32_t value, void* parameter
   if (conversion.mux.kind != ADC_MUX_SINGLE || pin >= MUXES) fail("input %d has no multiplexer", pin);
   double settled_us = now_us() - select_changed_us;
   if (settled_us < shortest_settle_us) shortest_settle_us = settled_us;
-  double input = wire_mv(pin);
+  double input = sensors_mv[selected * MUXES + pin] < 0 ? converter_mv : wire_mv(pin);
   converter_mv = pin == converted_pin ? input : input + KEPT * (converter_mv - input);
   converted_pin = pin;
+  conversions++;
   avr_raise_irq(adc + ADC_IRQ_ADC0 + pin, (uint32_t)(converter_mv + 0.5));
 }
 
@@ -329,7 +332,7 @@ int main(int count, char** arguments) {
   long unused = free_from;
   while (unused <= RAM_END && avr->data[unused] == PAINT) unused++;
   fprintf(stderr,
-          "{\"sent\":%ld,\"sent_before_reset\":%ld,\"shortest_byte_us\":%.2f,\"shortest_settle_us\":%.2f,\"led_changes\":%ld,"
-          "\"free_bytes\":%ld,\"bus_starts\":%ld}\n",
-          sent, sent_before_reset, shortest_byte_us, shortest_settle_us, led_changes, unused - free_from, starts);
+          "{\"sent\":%ld,\"sent_before_reset\":%ld,\"shortest_byte_us\":%.2f,\"shortest_settle_us\":%.2f,\"conversions\":%ld,"
+          "\"led_changes\":%ld,\"free_bytes\":%ld,\"bus_starts\":%ld}\n",
+          sent, sent_before_reset, shortest_byte_us, shortest_settle_us, conversions, led_changes, unused - free_from, starts);
 }
