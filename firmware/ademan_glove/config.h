@@ -16,7 +16,7 @@
 const unsigned long BAUD = 115200;
 
 #if defined(ESP32)
-// Inputs of the first converter: the second one does not work beside Wi-Fi.
+// Inputs of the first converter: the second one does not work beside Wi-Fi. An S2, S3 or C3 has them at other pins.
 const uint8_t ANALOG_PINS[] = {32, 33, 34, 35, 36, 39};
 const uint8_t SELECT_PINS[] = {25, 26, 27};
 const uint8_t LED_PIN = 2;
@@ -28,7 +28,7 @@ const uint8_t LED_PIN = LED_BUILTIN;
 const uint8_t ADC_BITS = 10;
 #endif
 
-// Inputs of each multiplexer: 8 of a 74HC4051, or 1 for sensors on the pins themselves.
+// Inputs of each multiplexer: 8 of a 74HC4051, 16 of a CD74HC4067 with a fourth select pin, or 1 for sensors on the pins themselves.
 #ifndef MUX_INPUTS
 #define MUX_INPUTS 8
 #endif
