@@ -172,3 +172,33 @@ fn a_finger_without_a_sensor_is_refused_by_the_compiler() {
         }
     }
 }
+
+/// Returns the pins of a list in the settings of the sketch: of the ESP32, and of Arduino boards.
+fn pins(list: &str) -> [String; 2] {
+    let settings = include_str!("../../firmware/ademan_glove/config.h");
+    let lines = settings.lines().filter(|line| line.contains(list));
+    let lists = lines.filter_map(|line| {
+        let (_, rest) = line.split_once('{')?;
+        let (pins, _) = rest.split_once('}')?;
+        Some(pins.to_owned())
+    });
+    let lists: Vec<String> = lists.collect();
+    lists.try_into().expect("a list for each kind of board")
+}
+
+#[test]
+fn the_guide_names_the_pins_of_the_settings() {
+    let guide = include_str!("../../docs/firmware.md");
+    let [esp32, arduino] = pins("ANALOG_PINS[]");
+    let analog = format!("| outputs of the multiplexers | {arduino} | {esp32} |");
+    let [esp32_select, arduino_select] = pins("SELECT_PINS[]");
+    let digital: Vec<String> = arduino_select
+        .split(", ")
+        .map(|pin| format!("D{pin}"))
+        .collect();
+    let digital = digital.join(", ");
+    let select = format!("| select S0, S1, S2 | {digital} | {esp32_select} |");
+    for row in [analog, select] {
+        assert!(guide.contains(&row), "no {row}");
+    }
+}
