@@ -290,6 +290,35 @@ fn a_recording_that_cannot_be_written_ends_a_command_that_only_records() {
 }
 
 #[test]
+fn an_export_that_the_disk_has_no_room_for_leaves_no_file_that_refuses_the_next_one() {
+    let state = tempfile::tempdir().expect("a folder");
+    let csv = state.path().join("progress.csv");
+    let export = ["practice", "--csv", csv.to_str().expect("a path")];
+    let practice = |before: &str, arguments: &[&str]| {
+        let before = format!(
+            "export XDG_STATE_HOME='{}'; {before}",
+            state.path().display()
+        );
+        let ended = in_shell("sh", &before, arguments).output();
+        let ended = ended.expect("the program starts");
+        let err = String::from_utf8_lossy(&ended.stderr).into_owned();
+        (ended.status.code(), err)
+    };
+    let (code, err) = practice("", &["practice", "--text", "h"]);
+    assert_eq!(code, Some(0), "{err}");
+    let history = state.path().join("ademan/practice/sessions.jsonl");
+    let result = fs::read_to_string(&history).expect("a result");
+    fs::write(&history, result.repeat(40)).expect("results");
+    // As on a disk that is full.
+    let (full_code, full) = practice("trap '' XFSZ; ulimit -f 1;", &export);
+    assert_eq!(full_code, Some(2), "{full}");
+    assert!(full.contains("File too large"), "{full}");
+    assert!(!csv.exists(), "{full}");
+    let (again_code, again) = practice("", &export);
+    assert_eq!(again_code, Some(0), "{again}");
+}
+
+#[test]
 fn uinput_without_a_device_node_or_permission_is_refused_with_a_remedy() {
     if fs::metadata("/dev/uinput").is_ok() {
         println!("SKIPPED: /dev/uinput exists");

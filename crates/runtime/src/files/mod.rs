@@ -21,6 +21,7 @@ pub use lock::LockedFile;
 pub use replace::{
     check_destination, check_overwrite, replace, replace_private_text, replace_private_text_if,
     replace_public_text, replace_text, replace_text_and_keep, replace_text_if, write_new,
+    write_new_private,
 };
 pub use search::{own_gloves, own_layouts, own_persons};
 

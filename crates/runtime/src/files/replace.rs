@@ -77,7 +77,16 @@ pub fn replace_public_text(path: &Path, text: &str) -> Result<(), FileError> {
 
 /// Writes a file of a new name with the usual permissions. Leaves none if the disk is full.
 pub fn write_new(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    let mut file = create_new(path)?;
+    write_created(path, create_new(path)?, content)
+}
+
+/// Writes a file of a new name that only its owner can access. Leaves none if the disk is full.
+pub fn write_new_private(path: &Path, content: &[u8]) -> Result<(), FileError> {
+    write_created(path, create_private(path)?, content)
+}
+
+/// Writes a file that was just created, or removes it.
+fn write_created(path: &Path, mut file: File, content: &[u8]) -> Result<(), FileError> {
     let written = file.write_all(content).and_then(|()| file.sync_all());
     if written.is_err() {
         let _ = fs::remove_file(path);

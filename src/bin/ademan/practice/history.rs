@@ -254,10 +254,9 @@ impl History {
         if path == Path::new("-") {
             return Ok(io::stdout().write_all(text.as_bytes())?);
         }
+        let written = files::write_new_private(path, text.as_bytes());
+        written.map_err(|error| Failure::cannot_write(path, error))?;
         let shown = escape_path(path);
-        let file = files::create_private(path);
-        let written = file.and_then(|mut file| Ok(file.write_all(text.as_bytes())?));
-        written.map_err(|error| Failure::wrong_use(format!("cannot write {shown}: {error}")))?;
         let count = counted(self.sessions.len() as u64, "session");
         Ok(writeln!(io::stdout(), "wrote {count} to {shown}")?)
     }
