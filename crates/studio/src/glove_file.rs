@@ -106,8 +106,7 @@ impl GloveFile {
         if let Some(folder) = self.path.parent() {
             fs::create_dir_all(folder)?;
         }
-        drop(files::create_private(&self.path)?);
-        files::replace_text(&self.path, text)
+        files::write_new_private(&self.path, text.as_bytes())
     }
 }
 

@@ -1,6 +1,5 @@
 //! Other layouts in the editor: a file, or a new layout from one that comes with the program; pictures of the layout, and a link to it.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Key};
@@ -160,9 +159,7 @@ impl EditorPanel {
 }
 
 fn write_new(path: &Path, content: &[u8]) -> Result<(), String> {
-    let file = files::create_new(path);
-    let written = file.and_then(|mut file| Ok(file.write_all(content)?));
-    written.map_err(|error| match error {
+    files::write_new(path, content).map_err(|error| match error {
         FileError::Exists => text("editor-export-exists").to_owned(),
         error => error.to_string(),
     })
