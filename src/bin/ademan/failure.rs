@@ -75,8 +75,11 @@ impl Failure {
         }
         // Errors of other files name them.
         let io = self.error.downcast_ref::<io::Error>();
-        let is_full = io.is_some_and(|error| error.kind() == io::ErrorKind::StorageFull);
-        let context = if is_full {
+        let is_full = |error: &io::Error| {
+            use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+            matches!(error.kind(), StorageFull | QuotaExceeded | FileTooLarge)
+        };
+        let context = if io.is_some_and(is_full) {
             "cannot write to the standard output: "
         } else {
             ""

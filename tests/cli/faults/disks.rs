@@ -72,14 +72,19 @@ fn a_transcript_that_cannot_be_written_ends_the_session_with_the_reason() {
 
 #[test]
 fn a_standard_output_that_is_full_is_named() {
-    let output = in_shell("sh", "exec >/dev/full;", &["layout", "list"]).output();
-    let output = output.expect("the program starts");
-    let err = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{err}");
-    assert!(
-        err.contains("cannot write to the standard output: "),
-        "{err}"
-    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("list");
+    let limited = format!("trap '' XFSZ; ulimit -f 0; exec >'{}';", file.display());
+    for before in ["exec >/dev/full;", &limited] {
+        let output = in_shell("sh", before, &["layout", "list"]).output();
+        let output = output.expect("the program starts");
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{err}");
+        assert!(
+            err.contains("cannot write to the standard output: "),
+            "{err}"
+        );
+    }
 }
 
 #[test]
