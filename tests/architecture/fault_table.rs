@@ -324,6 +324,7 @@ pub const FAULTS: &[Row] = &[
     ])),
     fault(60, "disk full, log closed", Tests(&[
         ("tests/cli/faults/disks.rs", "a_full_closed_or_missing_log_does_not_stop_a_session"),
+        ("tests/cli/faults/disks.rs", "a_log_that_the_disk_has_no_room_for_is_reported_once_and_the_session_goes_on"),
         ("tests/cli/faults/disks.rs", "a_disk_that_fills_under_a_recording_ends_the_recording_and_not_the_typing"),
         ("tests/cli/bvh.rs", "a_full_disk_leaves_a_whole_file_and_the_typing_goes_on"),
         ("tests/cli/faults/disks.rs", "a_transcript_that_cannot_be_written_ends_the_session_with_the_reason"),

@@ -61,6 +61,22 @@ fn a_full_closed_or_missing_log_does_not_stop_a_session() {
 }
 
 #[test]
+fn a_log_that_the_disk_has_no_room_for_is_reported_once_and_the_session_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = folder.path().join("ademan.log");
+    let log = log.to_str().expect("a path");
+    // As on a disk that is full.
+    let before = "trap '' XFSZ; ulimit -f 0;";
+    let output = in_shell("sh", before, &["run", "--source", TEXT, "--log", log]).output();
+    let output = output.expect("the program starts");
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{err}");
+    assert_eq!(events(&output), events_without_faults(), "{err}");
+    let expected = format!("the log {log} is incomplete: File too large");
+    assert_eq!(err.matches(&expected).count(), 1, "{err}");
+}
+
+#[test]
 fn a_transcript_that_cannot_be_written_ends_the_session_with_the_reason() {
     let output = in_shell("sh", "exec >/dev/full;", &["run", "--source", TEXT]).output();
     let output = output.expect("the program starts");

@@ -112,10 +112,11 @@ pub fn flush_within(timeout: Duration) {
     // Messages of levels that are not printed were not held back.
     let held_back = log::take_all();
     held_back.iter().for_each(|message| print_error(message));
+    // Its failure is a message.
+    log_file::flush(timeout);
     if let Some(queue) = QUEUE.get() {
         queue.flush(timeout);
     }
-    log_file::flush(timeout);
 }
 
 /// Makes the thread ask for log messages that are held back.
