@@ -171,6 +171,17 @@ pub fn no_display(display: Option<&str>) -> Advice {
     )
 }
 
+/// Returns the advice for an X server that refuses the connection, for the reason that it states.
+pub fn refused_by_display(reason: &str) -> Advice {
+    Advice::new(
+        format!(
+            "the X server refuses the connection: {}",
+            escape(reason.trim())
+        ),
+        "start this as the user of that graphical session, with its XAUTHORITY",
+    )
+}
+
 /// Returns the advice for a missing X server that would tell which application has the focus; `display` is the value of `DISPLAY`.
 pub fn no_focus(display: Option<&str>) -> Advice {
     Advice::new(

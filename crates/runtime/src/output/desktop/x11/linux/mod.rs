@@ -12,7 +12,7 @@ mod keymap;
 use std::ops::RangeInclusive;
 
 use x11rb::connection::Connection;
-use x11rb::errors::ReplyError;
+use x11rb::errors::{ConnectError, ReplyError};
 use x11rb::protocol::xproto::{
     BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ConnectionExt as _, KEY_PRESS_EVENT,
     KEY_RELEASE_EVENT, KeyButMask, MOTION_NOTIFY_EVENT,
@@ -20,6 +20,7 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
+use crate::advice;
 use crate::output::character_key::CharacterKey;
 use crate::output::desktop::burst::{self, Stroke};
 use crate::output::desktop::direct_keys::DirectConnection;
@@ -63,7 +64,7 @@ pub struct X11Injector {
 
 /// Connects to the X server of this name, or to the server in `DISPLAY`.
 pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector>, String> {
-    let (server, screen) = x11rb::connect(name).map_err(|_| system::no_display(name))?;
+    let (server, screen) = x11rb::connect(name).map_err(|error| connect_message(name, &error))?;
     let (major, minor) = XTEST_VERSION;
     let version = server.xtest_get_version(major, minor);
     version
@@ -365,11 +366,55 @@ fn inputs(burst: &[Stroke], codes: &[u8]) -> Result<Vec<(u8, u8)>, String> {
     Ok(inputs)
 }
 
+/// Returns the message for a server that refuses the connection, or does not answer.
+fn connect_message(name: Option<&str>, error: &ConnectError) -> String {
+    let reason = match error {
+        ConnectError::SetupFailed(refusal) => &refusal.reason,
+        ConnectError::SetupAuthenticate(refusal) => &refusal.reason,
+        _ => return system::no_display(name),
+    };
+    advice::refused_by_display(&String::from_utf8_lossy(reason)).to_string()
+}
+
 fn message(error: ReplyError) -> String {
     match error {
         ReplyError::ConnectionError(error) => {
             format!("the connection to the X server failed: {error}; check that it runs")
         }
         ReplyError::X11Error(error) => format!("the X server rejected a request: {error:?}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Read, Write};
+    use std::net::TcpListener;
+    use std::thread;
+
+    #[test]
+    fn a_server_that_refuses_the_connection_is_not_missing() {
+        let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+        // Display 0 is port 6000.
+        let display = listener.local_addr().unwrap().port() - 6000;
+        let reason = b"No authorization\n...";
+        let words = (reason.len() / 4) as u16;
+        let lengths = [11_u16, 0, words].map(u16::to_ne_bytes).concat();
+        let refusal = [
+            &[0, reason.len() as u8][..],
+            lengths.as_slice(),
+            reason.as_slice(),
+        ]
+        .concat();
+        let server = thread::spawn(move || {
+            let (mut client, _) = listener.accept().unwrap();
+            client.read_exact(&mut [0; 12]).unwrap();
+            client.write_all(&refusal).unwrap();
+        });
+        let error = connect(Some(&format!("127.0.0.1:{display}"))).err();
+        let error = error.expect("a refusal");
+        let expected = "the X server refuses the connection: No authorization\\n...; start this as";
+        assert!(error.starts_with(expected), "{error}");
+        server.join().unwrap();
     }
 }
