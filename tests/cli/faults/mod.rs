@@ -1,4 +1,4 @@
-//! Faults around a session: clients, disks, files, serial lines.
+//! Faults around a session: clients, disks, files, serial lines, the watchdog.
 
 mod blocked_streams;
 mod clients;
@@ -9,6 +9,7 @@ mod line;
 mod lines;
 mod message_floods;
 mod names;
+mod watchdog;
 
 use rustix::process::{Pid, Resource, Rlimit, getrlimit, prlimit};
 

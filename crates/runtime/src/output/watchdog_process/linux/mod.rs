@@ -47,9 +47,10 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
             return Err(reason);
         }
     };
-    socket
-        .write_all(&[READY])
-        .map_err(|error| error.to_string())?;
+    if socket.write_all(&[READY]).is_err() {
+        // The program has ended before, or waits no longer. It has pressed nothing.
+        return Ok(());
+    }
     scope::enter();
     let mut client = ClientState::new(socket, thread, Arc::clone(&record));
     while client.wait_for_loss() == ClientLoss::Hung {

@@ -34,7 +34,10 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
         }
     };
     let ready = replies.write_all(&[READY]).and_then(|()| replies.flush());
-    ready.map_err(|error| error.to_string())?;
+    if ready.is_err() {
+        // The program has ended before, or waits no longer. It has pressed nothing.
+        return Ok(());
+    }
     let client = ClientState::new(io::stdin(), replies, record);
     let mut client = client.map_err(|error| error.to_string())?;
     while client.wait_for_loss() == ClientLoss::Hung {
