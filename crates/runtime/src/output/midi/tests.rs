@@ -151,6 +151,36 @@ fn a_queue_that_is_closed_without_an_end_of_the_notes_ends_them_in_the_thread() 
 }
 
 #[test]
+fn a_write_that_fails_leaves_no_note() {
+    let written = Written::default();
+    let log = Arc::clone(&written);
+    let mut failing = Some([0x80_u8, 60, 64]);
+    let writer = move |message: &[u8]| {
+        if failing.take_if(|it| it.as_slice() == message).is_some() {
+            return Err(io::Error::from(io::ErrorKind::OutOfMemory));
+        }
+        log.lock().unwrap().push(message.to_vec());
+        Ok(())
+    };
+    let mut sink = Midi::start(Box::new(writer)).unwrap();
+    sink.set_signals(&signals());
+    for kind in [Velocity(C4, 1.0), Velocity(DRUM, 1.0), Velocity(C4, 0.0)] {
+        sink.send(&[event(1, kind)]).unwrap();
+    }
+    // The thread may have ended before the last message.
+    let _ = sink.close();
+    let expected: [[u8; 3]; 6] = [
+        [0x90, 60, 127],
+        [0x99, 36, 127],
+        [0x80, 60, 64],
+        [0xb0, 123, 0],
+        [0x89, 36, 64],
+        [0xb9, 123, 0],
+    ];
+    assert_eq!(without_sensing(&written), expected);
+}
+
+#[test]
 fn a_loop_that_hangs_leaves_no_note() {
     let (mut sink, written) = sink();
     sink.send(&[event(1, Velocity(C4, 1.0))]).unwrap();

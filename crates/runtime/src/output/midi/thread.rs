@@ -86,45 +86,50 @@ struct Port {
 
 impl Port {
     fn run(mut self, queue: &Receiver<Message>, steps: &AtomicU64) {
+        let written = self.write_messages(queue, steps);
+        // A device that does not accept this either is gone, and so are its notes.
+        let _ = self.end_notes();
+        if let Err(error) = written {
+            tracing::error!("the output `midi` failed: {error}");
+        }
+    }
+
+    /// Writes the messages of the queue until it is closed.
+    fn write_messages(&mut self, queue: &Receiver<Message>, steps: &AtomicU64) -> io::Result<()> {
         let mut seen_steps = 0;
         loop {
-            let written = match queue.recv_timeout(SENSING_PERIOD) {
-                Ok(message) => self.write(message),
-                Err(RecvTimeoutError::Disconnected) => break,
+            match queue.recv_timeout(SENSING_PERIOD) {
+                Ok(message) => self.write(message)?,
+                Err(RecvTimeoutError::Disconnected) => return Ok(()),
                 Err(RecvTimeoutError::Timeout) => {
                     let now = steps.load(Ordering::Relaxed);
                     let is_hung = std::mem::replace(&mut seen_steps, now) == now;
                     if is_hung && self.notes != [0; CHANNELS] {
-                        self.end_notes()
+                        self.end_notes()?;
                     } else {
-                        self.show_life()
+                        self.show_life()?;
                     }
                 }
-            };
-            if let Err(error) = written {
-                tracing::error!("the output `midi` failed: {error}");
-                return;
             }
         }
-        // A device that does not accept this is gone, and so are its notes.
-        let _ = self.end_notes();
     }
 
     fn write(&mut self, message: Message) -> io::Result<()> {
         let [status, note, _] = message;
-        let notes = &mut self.notes[usize::from(status & 0x0f)];
-        match status & 0xf0 {
-            0x80 => *notes &= !(1 << note),
-            0x90 => {
-                *notes |= 1 << note;
-                // The process may be killed before the first silence.
-                if !std::mem::replace(&mut self.is_sensed, true) {
-                    (self.writer)(&ACTIVE_SENSING)?;
-                }
+        let channel = usize::from(status & 0x0f);
+        if status & 0xf0 == 0x90 {
+            // Set first: a message that failed may have arrived.
+            self.notes[channel] |= 1 << note;
+            // The process may be killed before the first silence.
+            if !std::mem::replace(&mut self.is_sensed, true) {
+                (self.writer)(&ACTIVE_SENSING)?;
             }
-            _ => {}
         }
-        (self.writer)(&message)
+        (self.writer)(&message)?;
+        if status & 0xf0 == 0x80 {
+            self.notes[channel] &= !(1 << note);
+        }
+        Ok(())
     }
 
     /// Sends Active Sensing after a silence, also while no note sounds: a receiver that has got it once takes a longer silence for the
