@@ -6,7 +6,7 @@
 
 use ademan_core::message::{escape_path, shell_word};
 use std::fs::{self, File, FileType, Metadata};
-use std::io::{self, Seek, SeekFrom};
+use std::io;
 use std::path::{Path, PathBuf};
 
 mod config;
@@ -189,12 +189,22 @@ pub fn check_absent(path: &Path) -> Result<(), FileError> {
 /// An existing file must be a regular file of this user, with one name and not behind a symbolic link; its mode becomes
 /// 0600 before this function returns.
 pub fn open_private(path: &Path) -> Result<File, FileError> {
+    open_own(path, system::open_private)
+}
+
+/// Opens a file as [`open_private`] does. Each write is added at its end, also if another program writes to it.
+pub fn append_private(path: &Path) -> Result<File, FileError> {
+    open_own(path, system::append_private)
+}
+
+/// Opens a file of this user, which becomes private.
+fn open_own(path: &Path, open: fn(&Path) -> io::Result<File>) -> Result<File, FileError> {
     match fs::symlink_metadata(path) {
         Ok(metadata) => check_own(&metadata)?,
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         Err(error) => return Err(error.into()),
     }
-    let file = system::open_private(path)?;
+    let file = open(path)?;
     check_own(&file.metadata()?)?;
     system::make_private(&file)?;
     system::wait_from_now_on(&file)?;
@@ -205,13 +215,6 @@ pub fn open_private(path: &Path) -> Result<File, FileError> {
 pub fn replace_private(path: &Path) -> Result<File, FileError> {
     let file = open_private(path)?;
     file.set_len(0)?;
-    Ok(file)
-}
-
-/// Opens a file as [`open_private`] does, at its end.
-pub fn append_private(path: &Path) -> Result<File, FileError> {
-    let mut file = open_private(path)?;
-    file.seek(SeekFrom::End(0))?;
     Ok(file)
 }
 

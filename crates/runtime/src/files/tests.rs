@@ -1,5 +1,6 @@
 use super::*;
 use std::fs::Permissions;
+use std::io::Write;
 use std::os::unix::fs::{PermissionsExt, chown, lchown, symlink};
 use std::os::unix::net::UnixListener;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -94,6 +95,18 @@ fn an_existing_file_becomes_private_before_it_is_written() {
     open_private(&new).unwrap();
     assert_eq!(mode(&new), 0o600);
     assert!(create_private(&new).is_err());
+}
+
+#[test]
+fn programs_that_append_to_one_file_keep_the_lines_of_each_other() {
+    let folder = Folder::new();
+    let path = folder.file("log", 0o600);
+    let mut one = append_private(&path).unwrap();
+    let mut other = append_private(&path).unwrap();
+    one.write_all(b" one").unwrap();
+    other.write_all(b" other").unwrap();
+    one.write_all(b" again").unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), "old one other again");
 }
 
 #[test]

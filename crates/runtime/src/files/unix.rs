@@ -51,14 +51,22 @@ pub fn create_private(path: &Path) -> io::Result<File> {
 
 /// Opens a file for writing as it is, or creates it. Neither follows a link nor waits, whatever took its place.
 pub fn open_private(path: &Path) -> io::Result<File> {
+    private_options().write(true).truncate(false).open(path)
+}
+
+/// Opens a file as [`open_private`] does. Each write is added at its end.
+pub fn append_private(path: &Path) -> io::Result<File> {
+    private_options().append(true).open(path)
+}
+
+fn private_options() -> OpenOptions {
     let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::NOCTTY;
-    OpenOptions::new()
-        .write(true)
+    let mut options = OpenOptions::new();
+    options
         .create(true)
-        .truncate(false)
         .mode(OWNER_ONLY)
-        .custom_flags(flags.bits() as i32)
-        .open(path)
+        .custom_flags(flags.bits() as i32);
+    options
 }
 
 /// Undoes the flag with which a file was opened, for file systems on which it has an effect on regular files.

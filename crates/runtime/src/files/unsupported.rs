@@ -22,6 +22,10 @@ pub fn open_private(path: &Path) -> io::Result<File> {
         .open(path)
 }
 
+pub fn append_private(path: &Path) -> io::Result<File> {
+    OpenOptions::new().append(true).create(true).open(path)
+}
+
 pub fn wait_from_now_on(_: &File) -> io::Result<()> {
     Ok(())
 }
