@@ -1,4 +1,4 @@
-//! Offset of the clock of a source or a sender.
+//! Offset of the clock of a source.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use std::time::Duration;
 /// is wrong by 100 parts per million err by 2 ms at most.
 const WINDOW: Duration = Duration::from_secs(10);
 
-/// Offset of the clock of a source or a sender from the clock of the receiver: the smallest difference between the arrival of a
+/// Offset of the clock of a source from the clock of the receiver: the smallest difference between the arrival of a
 /// reading and its own time in the last 10 to 20 s. A reading that was delayed on its way does not change it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ClockOffset {
@@ -18,7 +18,7 @@ pub(super) struct ClockOffset {
 
 impl ClockOffset {
     /// Updates the offset with a reading and returns it, in microseconds. `arrival` is in microseconds on the clock of the
-    /// receiver, `time` on the clock of the sender.
+    /// receiver, `time` on the clock of the source.
     pub fn update(&mut self, arrival: i64, time: i64) -> i64 {
         let difference = arrival - time;
         let [present, previous] = self.smallest.get_or_insert([difference; 2]);

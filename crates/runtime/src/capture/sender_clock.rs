@@ -2,7 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use super::clock_offset::ClockOffset;
 use ademan_core::time::Timestamp;
 
 /// Largest age of a reading of a source on the network unless the setup says otherwise: the default stall timeout.
@@ -15,6 +14,13 @@ const TRIAL: Duration = Duration::from_secs(2);
 /// that loses 3 % or counts other units than microseconds never passes.
 const TRIAL_TOLERANCE: Duration = Duration::from_millis(25);
 
+/// Rise of the smallest delay per unit of time, 3 %: more than the delay of a slow clock that passes a trial grows. A camera that
+/// states the number of a picture at a nominal rate is easily 1 % slow. A congested network delays readings faster than that.
+const MAX_DRIFT: f64 = 0.03;
+
+/// Longest time between two readings in which the smallest delay rises: the network may have held back what was sent after it.
+const MAX_DRIFT_TIME: Duration = Duration::from_secs(1);
+
 /// Longest time in which all readings are too old. After it a new trial starts: the clock may have been set, or have stood still.
 const MAX_LATENESS: Duration = Duration::from_secs(10);
 
@@ -24,14 +30,15 @@ const MIN_REFUSAL: Duration = Duration::from_millis(100);
 
 /// The clock of a sender, which detects readings that a congested network has delayed.
 ///
-/// The age of a reading is its delay less the smallest delay of the last 10 to 20 s, so that the two clocks need no common
-/// origin. A steady delay is therefore not detected, only a delay that has grown. A clock that does not keep pace with the
-/// clock of the receiver is not used.
+/// The age of a reading is its delay less the smallest delay so far, so that the two clocks need no common origin. The smallest
+/// delay rises slowly while readings are young, so that a slow clock does not add to their age. A steady delay is therefore not
+/// detected, only a delay that has grown. A clock that does not keep pace with the clock of the receiver is not used.
 #[derive(Debug)]
 pub(super) struct SenderClock {
     max_age: Duration,
     opened: Instant,
-    offset: ClockOffset,
+    /// The smallest delay, in microseconds; `None` before the first reading.
+    smallest: Option<i64>,
     /// The latest time that was stated.
     latest: Timestamp,
     /// `None` once the clock has kept pace.
@@ -56,7 +63,7 @@ impl SenderClock {
         Self {
             max_age,
             opened: Instant::now(),
-            offset: ClockOffset::default(),
+            smallest: None,
             latest: Timestamp::default(),
             trial: Some(Trial::NEW),
             late_since: None,
@@ -83,11 +90,12 @@ impl SenderClock {
             // The clock was set back, or the sender has started again.
             self.restart();
         }
+        let elapsed = sent_at.since(self.latest).min(MAX_DRIFT_TIME);
         self.latest = sent_at;
         // Beyond every clock: 292 000 years.
         let time = sent_at.0.min(i64::MAX as u64 / 2) as i64;
         let delay = arrival - time;
-        let age = delay - self.offset.update(arrival, time);
+        let age = self.age(delay, elapsed);
         if let Some(trial) = &mut self.trial {
             if trial.update(arrival, delay) {
                 self.trial = None;
@@ -103,6 +111,22 @@ impl SenderClock {
             self.restart();
         }
         true
+    }
+
+    /// Returns the age of a reading with this delay, in microseconds, which was sent `elapsed` after the one before it, and updates
+    /// the smallest delay.
+    fn age(&mut self, delay: i64, elapsed: Duration) -> i64 {
+        // The delay of readings that are too old does not come from the clock.
+        let drift = if self.late_since.is_none() {
+            elapsed.mul_f64(MAX_DRIFT)
+        } else {
+            Duration::ZERO
+        };
+        let smallest = self.smallest.map_or(delay, |smallest| {
+            delay.min(smallest + drift.as_micros() as i64)
+        });
+        self.smallest = Some(smallest);
+        delay - smallest
     }
 
     /// Updates the clock with packets that the protocol refuses because they state earlier times than a packet before them. If only
@@ -122,7 +146,7 @@ impl SenderClock {
     }
 
     fn restart(&mut self) {
-        self.offset = ClockOffset::default();
+        self.smallest = None;
         self.trial = Some(Trial::NEW);
         self.late_since = None;
     }
@@ -226,6 +250,30 @@ mod tests {
             assert_eq!(sender.send(0..600_000, stated, jitter), 0, "{loses}");
             sender.clock.reset();
         }
+    }
+
+    #[test]
+    fn a_clock_that_runs_slow_is_followed_or_not_used_and_hides_no_congestion() {
+        // Parts per thousand that the clock loses.
+        for loss in [2, 5, 10, 15, 20, 25, 28, 35, 50] {
+            let mut sender = Sender::new();
+            let stated = |time| time - time * loss / 1000;
+            let jitter = |time: u64| (time * 7919) % (50 * MS);
+            assert_eq!(sender.send(0..120_000, stated, jitter), 0, "{loss}");
+            if loss <= 20 {
+                let late = sender.send(120_000..125_000, stated, |_| 400 * MS);
+                assert_eq!(late, 500, "{loss}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_was_sent_during_a_long_silence_is_too_old() {
+        let mut sender = Sender::new();
+        sender.send(0..10_000, |time| time, fast);
+        // A minute arrives at once.
+        let late = sender.send(10_000..70_000, |time| time, |time| 70_000 * MS - time);
+        assert!((5_970..=5_990).contains(&late), "{late}");
     }
 
     #[test]
