@@ -11,6 +11,10 @@ const MIN_SAMPLES: usize = 400;
 /// The interval at which both movements are sampled: finer than a camera, coarser than a fast glove.
 const GRID: Duration = Duration::from_millis(5);
 
+/// The longest part of both records that is compared, from the first time that they have in common: twice the longest measurement. The
+/// clock of a file may jump by years.
+const MAX_SPAN: Duration = Duration::from_secs(120);
+
 /// The largest delay that is found, in either direction.
 const MAX_DELAY: Duration = Duration::from_millis(500);
 
@@ -116,7 +120,8 @@ fn change(before: &Estimate, after: &Estimate) -> f64 {
     angles + positions.sum::<f64>()
 }
 
-/// Returns the delay of `second` behind `first`: the shift at which the speeds of both correlate best, at most 0.5 s.
+/// Returns the delay of `second` behind `first`: the shift at which the speeds of both correlate best, at most 0.5 s. Of longer records,
+/// the first two minutes that they have in common count.
 ///
 /// The method is the normalized cross-correlation, with a parabola through the highest value and its neighbors.
 pub fn estimate_delay(first: &Activity, second: &Activity) -> Result<Delay, DelayError> {
@@ -124,7 +129,8 @@ pub fn estimate_delay(first: &Activity, second: &Activity) -> Result<Delay, Dela
         return Err(DelayError::TooShort);
     };
     let (start, end) = (a.0.max(b.0), a.1.min(b.1));
-    let count = (end.since(start).as_secs_f64() / GRID.as_secs_f64()) as usize;
+    let span = end.since(start).min(MAX_SPAN);
+    let count = (span.as_secs_f64() / GRID.as_secs_f64()) as usize;
     if count < MIN_SAMPLES {
         return Err(DelayError::TooShort);
     }
@@ -224,6 +230,18 @@ mod tests {
                 "{delay}: {behind:?}"
             );
         }
+    }
+
+    #[test]
+    fn a_clock_that_jumps_by_a_year_leaves_the_movement_before_it() {
+        let delay = 0.06;
+        let (mut fast, mut slow) = (activity(175.0, 0.0, glove), activity(30.0, delay, camera));
+        let year = Duration::from_secs(365 * 86_400);
+        for (record, estimate) in [(&mut fast, glove(10.0)), (&mut slow, camera(10.0))] {
+            record.push(Timestamp::from_seconds(11.0 + delay) + year, &estimate);
+        }
+        let found = estimate_delay(&fast, &slow).unwrap();
+        assert!((found.seconds - delay).abs() < 0.003, "{found:?}");
     }
 
     #[test]
