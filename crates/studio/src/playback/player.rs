@@ -9,6 +9,7 @@ use super::step::RecordedStep;
 use crate::history::SECONDS;
 use crate::model::StudioModel;
 use ademan_core::time::Timestamp;
+use ademan_runtime::capture::pace::MAX_GAP;
 
 /// Playing speeds, as a multiple of the recorded speed.
 pub const SPEEDS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0];
@@ -115,7 +116,7 @@ impl Player {
         self.steps.extend(batch.steps);
     }
 
-    /// Moves the position by the time that has passed.
+    /// Moves the position by the time that has passed. A longer gap between two steps takes [`MAX_GAP`], as in a replay.
     fn play(&mut self, elapsed: Duration) {
         let Some(&last) = self.times.last() else {
             // A recording without a step has ended once it is loaded.
@@ -123,7 +124,11 @@ impl Player {
             return;
         };
         let start = || self.times[self.wanted].0 as f64;
-        let clock = self.clock.unwrap_or_else(start) + elapsed.as_secs_f64() * 1e6 * self.speed;
+        let next = self.times.get(self.wanted + 1).unwrap_or(&last);
+        // A device may have been lost for hours.
+        let gap_end = next.0 as f64 - MAX_GAP.as_secs_f64() * 1e6 * self.speed;
+        let from = self.clock.unwrap_or_else(start).max(gap_end);
+        let clock = from + elapsed.as_secs_f64() * 1e6 * self.speed;
         if clock >= last.0 as f64 {
             // The end, or the end of what is loaded so far.
             self.is_playing = self.end.is_none();

@@ -229,6 +229,33 @@ fn playing_reaches_the_end_and_starts_again() {
 }
 
 #[test]
+fn a_gap_of_an_hour_is_played_in_two_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = record(folder.path(), "hello");
+    let with_gap = folder.path().join("gap.mcap");
+    let setup = Replay::open(&path).unwrap().setup().clone();
+    let mut recorder = Recorder::create(&with_gap, &setup).unwrap();
+    let mut recorded = readings(&path);
+    for reading in &mut recorded[20..] {
+        reading.time = reading.time + Duration::from_secs(3600);
+    }
+    for reading in &recorded {
+        recorder.write_reading(reading).unwrap();
+    }
+    recorder.finish().unwrap();
+    let mut shown = Shown::open(&with_gap);
+    let [before, after] = [19_usize, 20].map(|index| recorded[index].time);
+    shown.player.apply(Move::Time(before));
+    let position = shown.player.position();
+    shown.player.apply(Move::Play);
+    shown.advance(Duration::from_millis(1_900));
+    assert_eq!(shown.player.position(), position);
+    shown.advance(Duration::from_millis(200));
+    let played = shown.player.time().since(after);
+    assert!(played >= Duration::from_millis(80), "{played:?}");
+}
+
+#[test]
 fn a_recording_without_readings_does_not_play_for_ever() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("empty.mcap");
