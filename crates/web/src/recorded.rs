@@ -1,6 +1,7 @@
 //! Recordings of `ademan record` in a page: their hands move on, with the glove and the arm that they were made with.
 
 use std::collections::VecDeque;
+use std::time::Duration;
 
 use ademan_core::capture::{Reading, Sample};
 use ademan_core::document::{Document, DocumentError};
@@ -9,6 +10,7 @@ use ademan_core::hand::Side;
 use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::{Fit, Glove, Person};
 use ademan_core::pipeline::{LayoutInstance, Pipeline};
+use ademan_core::time::Timestamp;
 use ademan_recording::{RecordedEvent, RecordedSetup, Recording, kind};
 use serde::Serialize;
 
@@ -17,6 +19,9 @@ use crate::session::{PageSession, estimator, pipeline_settings};
 
 /// Most readings of a recording that are kept: an hour of a glove with 50 readings a second.
 const MAX_READINGS: usize = 200_000;
+
+/// Longest wait for one reading, as in `ademan replay`: a device may have been lost for hours.
+const MAX_GAP: Duration = Duration::from_secs(2);
 
 /// A recording that moves the hands.
 #[derive(Debug, Serialize)]
@@ -48,7 +53,7 @@ impl PageSession {
     /// The file is not a recording, has no readings, or has a glove or arm that cannot be read.
     pub fn play_recording(&mut self, bytes: &[u8]) -> Result<PlayedRecording, String> {
         let mut recorded = RecordedHands::read(bytes)?;
-        recorded.shift_to(self);
+        schedule(&mut recorded.readings, self.time);
         self.release();
         let [first, second] = &recorded.arms;
         let fit = Fit::new(first, Some(second)).map_err(|error| error.to_string())?;
@@ -110,16 +115,6 @@ impl RecordedHands {
         })
     }
 
-    /// Lets the first reading be due now.
-    fn shift_to(&mut self, session: &PageSession) {
-        let Some(first) = self.readings.front().map(|reading| reading.time) else {
-            return;
-        };
-        for reading in &mut self.readings {
-            reading.time = session.time + reading.time.since(first);
-        }
-    }
-
     fn pipeline(&self, instance: LayoutInstance) -> Pipeline {
         let [first, second] = &self.arms;
         let [own, other] = self
@@ -128,6 +123,17 @@ impl RecordedHands {
             .map(|glove| estimator_of(glove.as_ref()));
         Pipeline::new(own, first.clone(), instance, pipeline_settings())
             .with_second_hand(other, second.clone())
+    }
+}
+
+/// Lets the first reading be due at `start`, and shortens gaps to [`MAX_GAP`].
+fn schedule(readings: &mut VecDeque<Reading>, start: Timestamp) {
+    let (mut due, mut last) = (start, None);
+    for reading in readings {
+        let gap = last.map_or(Duration::ZERO, |last| reading.time.since(last));
+        due = due + gap.min(MAX_GAP);
+        last = Some(reading.time);
+        reading.time = due;
     }
 }
 
@@ -186,5 +192,25 @@ fn estimator_of(glove: Option<&Glove>) -> Estimator {
     match glove {
         Some(glove) => estimator(&glove.rest_pose).with_channels(&glove.map),
         None => estimator(&Default::default()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ademan_core::hand::JointAngles;
+
+    #[test]
+    fn a_gap_of_an_hour_is_played_in_two_seconds() {
+        const HOUR: u64 = 3_600_000_000;
+        let reading = |time| {
+            let angles = JointAngles::default();
+            Reading::new(Timestamp(time), None, Sample::Angles { angles })
+        };
+        let recorded = [HOUR, HOUR + 10_000, 2 * HOUR, 2 * HOUR + 10_000];
+        let mut readings: VecDeque<Reading> = recorded.into_iter().map(reading).collect();
+        schedule(&mut readings, Timestamp(500));
+        let times: Vec<u64> = readings.iter().map(|it| it.time.0).collect();
+        assert_eq!(times, [500, 10_500, 2_010_500, 2_020_500]);
     }
 }
