@@ -140,7 +140,7 @@ fn an_arduino_nano_sends_a_hundred_lines_of_curls_per_second() {
     assert!(conversions <= 10 * (count + 1), "{conversions} conversions");
     let readings = sent.readings("lucidgloves&max=1023");
     let expected =
-        [3.0, 7.0, 11.0, 15.0, 19.0].map(|count: f64| (count * 4095.0 / 1023.0).round() as u64);
+        [3.0, 7.0, 11.0, 15.0, 19.0].map(|reading: f64| (reading * 4095.0 / 1023.0).round() as u64);
     assert!(readings.len() > 190, "{} readings", readings.len());
     assert_eq!(counts(&readings[0])[..5], expected);
 }

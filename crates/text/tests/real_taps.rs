@@ -65,7 +65,7 @@ fn people(file: &Value, keyboard: &Keyboard) -> Vec<Person> {
                 number(&tap["dyNorm"]) * key.size[1],
             ];
             let letter = character.is_alphabetic().then_some((character, offset));
-            offsets.extend(letter.map(|(_, offset)| offset));
+            offsets.extend(letter.map(|(_, of_letter)| of_letter));
             successive.extend(before.zip(letter).map(|(before, letter)| [before, letter]));
             before = letter;
             Tap::at(key.center[0] + offset[0], key.center[1] + offset[1])

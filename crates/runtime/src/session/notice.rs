@@ -147,13 +147,7 @@ impl fmt::Display for Notice {
                 "listening to {}, Ctrl-C ends",
                 escape(&source.to_string())
             ),
-            Self::Sharing(target) => {
-                write!(f, "sharing {}: ", escape(&target.to_string()))?;
-                if target.format == ShareFormat::Web {
-                    write!(f, "open http://{}/; ", target.address)?;
-                }
-                f.write_str("the angles of a hand reveal what it types")
-            }
+            Self::Sharing(target) => write_sharing(f, target),
             Self::NoHaptics(kind) => write!(
                 f,
                 "no feedback: `haptics` is {}, but no glove takes it; that needs `protocol=lucidgloves` over `serial:`, `tcp:` or \
@@ -249,6 +243,14 @@ impl Notice {
                 | Self::Armed { .. }
         )
     }
+}
+
+fn write_sharing(f: &mut fmt::Formatter<'_>, target: &ShareTarget) -> fmt::Result {
+    write!(f, "sharing {}: ", escape(&target.to_string()))?;
+    if target.format == ShareFormat::Web {
+        write!(f, "open http://{}/; ", target.address)?;
+    }
+    f.write_str("the angles of a hand reveal what it types")
 }
 
 fn write_keys_suppressed(

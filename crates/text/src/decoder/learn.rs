@@ -291,10 +291,10 @@ mod tests {
         assert_eq!(decoder.best(), "Cat cat ");
         decoder.commit();
         // `c` and `a`, `a` and `t` of each word.
-        let touch = decoder.touch();
-        assert!((touch.same_hand.pairs - 2.0).abs() < 0.01);
-        assert!((touch.other_hand.pairs - 2.0).abs() < 0.01);
-        assert!(touch.same_hand.correlation() > 0.5, "{touch:?}");
+        let learned = decoder.touch();
+        assert!((learned.same_hand.pairs - 2.0).abs() < 0.01);
+        assert!((learned.other_hand.pairs - 2.0).abs() < 0.01);
+        assert!(learned.same_hand.correlation() > 0.5, "{learned:?}");
         decoder.start_anywhere();
         assert_eq!(decoder.touch().hands.scatter, [0.0; 2]);
     }

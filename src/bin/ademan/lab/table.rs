@@ -236,7 +236,7 @@ pub fn print_comparison(comparison: &Comparison, out: &mut impl Write) -> io::Re
 }
 
 /// Returns the noun behind a number of people.
-fn people(count: usize) -> &'static str {
+pub(super) fn people(count: usize) -> &'static str {
     if count == 1 { "person" } else { "people" }
 }
 
