@@ -152,6 +152,37 @@ fn a_hand_that_jumps_to_and_fro_releases_at_the_third_reading_and_presses_nothin
 }
 
 #[test]
+fn readings_that_are_missing_while_a_finger_goes_to_the_next_key_press_no_key_on_the_way() {
+    const PERIOD: u64 = 5_729;
+    // The gap is 195 ms long: less than the stall timeout.
+    const MISSING: usize = 33;
+    const KEYS: [&str; 5] = ["H", "E", "L", "L", "O"];
+    let loaded = default_setup();
+    let text = typing("hello");
+    let mut missed = 0;
+    for start in (60..text.len() - MISSING).step_by(3) {
+        let mut wearer = GloveWearer::new(&loaded);
+        let mut since = 0;
+        for (index, posture) in text.iter().enumerate() {
+            since += PERIOD;
+            if !(start..start + MISSING).contains(&index) {
+                wearer.show_after(since, posture);
+                since = 0;
+            }
+        }
+        assert_eq!(wearer.pipeline.stalls(), 0, "{start}");
+        let typed = wearer.take_events();
+        let presses = typed.split(", ").filter_map(|it| it.strip_prefix("down "));
+        let presses: Vec<&str> = presses.collect();
+        let mut keys = KEYS.into_iter();
+        let is_part = presses.iter().all(|press| keys.any(|key| key == *press));
+        assert!(is_part, "from reading {start}: {typed}");
+        missed += KEYS.len() - presses.len();
+    }
+    assert!(missed > 0, "no gap hides a tap");
+}
+
+#[test]
 fn infinite_angles_are_rejected_and_the_third_in_a_row_releases_everything() {
     const SPARE: usize = 63;
     let press = Press::for_text("h");

@@ -20,8 +20,8 @@ use crate::time::Timestamp;
 /// contact between poses is missed, and the times of touches are interpolated.
 ///
 /// - A fingertip starts to touch a target only through its front. A fingertip that is inside a
-///   target when it is first seen (new layout, [`reset`](Self::reset), jump, trusted again) must leave and enter
-///   again.
+///   target when it is first seen (new layout, [`reset`](Self::reset), jump, trusted again), or that has entered one
+///   [in a gap](HandPose::is_after_gap), must leave and enter again.
 /// - It touches one target at most: the first that it enters, by its outline or its share of the gaps; on a tie, the one whose
 ///   outline is nearest, then the one whose center is. It stays on that target, however deep it goes.
 /// - It leaves through the front (`Left`), or sideways by more than the target's margin
@@ -113,6 +113,7 @@ impl ContactTracker {
             span: [self.span[1], pose.time],
         };
         let (fingers, mut step) = self.begin_step(scene, &hand, touches);
+        step.may_enter = !pose.is_after_gap;
         for (state, &finger) in fingers.iter_mut().zip(Finger::ALL) {
             state.update(finger, &mut step);
             // A stroke that begins to wait in this step counts in the decisions about the fingers after it.
@@ -166,6 +167,7 @@ impl ContactTracker {
             radius: hand.tip_radius,
             start,
             end,
+            may_enter: true,
             flexion: &self.flexion,
             touching: self.touching(),
             first_waiting: self
@@ -289,6 +291,8 @@ pub(super) struct StepContext<'a> {
     radius: f32,
     pub(super) start: Timestamp,
     pub(super) end: Timestamp,
+    /// `false` if the path of the fingertips is not known.
+    may_enter: bool,
     pub(super) flexion: &'a Flexion,
     /// The fingers that touch a target, or have entered one by a stroke, at the beginning of the step.
     pub(super) touching: FingerSet,
@@ -372,7 +376,7 @@ impl FingerState {
                 None => return,
             }
         }
-        if self.is_locked_out(finger, step) {
+        if self.is_locked_out(finger, step) || !step.may_enter {
             return;
         }
         let Some(entry) = step.first_crossing(finger, since) else {

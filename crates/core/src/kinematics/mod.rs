@@ -63,6 +63,8 @@ pub struct HandPose {
     pub untrusted: FingerSet,
     /// `true` if the hand was re-acquired at another position. The movement in between was not seen.
     pub jumped: bool,
+    /// `true` if readings are missing since the earlier pose, so that the path in between is not known. A fingertip enters no target on it.
+    pub is_after_gap: bool,
     /// The radius of the fingertip spheres, in metres.
     pub tip_radius: f32,
     /// The place of the hand at the start, which a new reading keeps.
@@ -83,6 +85,7 @@ impl HandPose {
             side,
             untrusted: FingerSet::NONE,
             jumped: false,
+            is_after_gap: false,
             tip_radius,
             start: StartPlace::default(),
             other_wrist: None,
@@ -98,6 +101,7 @@ impl HandPose {
         self.side = side;
         self.untrusted = FingerSet::NONE;
         self.jumped = false;
+        self.is_after_gap = false;
         self.tip_radius = tip_radius;
         self.known = 0;
     }

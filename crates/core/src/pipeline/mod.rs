@@ -218,7 +218,10 @@ impl Pipeline {
         }
         let hand = &mut self.hands[index];
         let output = &mut hand.output;
+        let earlier = output.pose.time;
         hand.arm.forward_into(&output.estimate, &mut output.pose);
+        let gap = output.pose.time.since(earlier);
+        output.pose.is_after_gap = gap > self.settings.max_sweep();
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;
         layout.track(output, hand.estimator.bend_ranges());

@@ -20,6 +20,16 @@ pub struct PipelineSettings {
     pub allow_system_keys: bool,
 }
 
+impl PipelineSettings {
+    /// Returns the longest gap between two readings in which a fingertip may enter a target: three quarters of the stall timeout.
+    ///
+    /// In a longer one a fingertip can leave a key and press the next one; the straight line between both enters the keys beside them. A
+    /// source that loses one packet has a gap of two packet periods, two thirds of the shortest stall timeout of a session.
+    pub(super) fn max_sweep(&self) -> Duration {
+        self.stall_timeout / 4 * 3
+    }
+}
+
 impl Default for PipelineSettings {
     /// Armed after 300 ms clear of every control; stalled after 200 ms; a local source; no system keys.
     fn default() -> Self {
