@@ -34,7 +34,13 @@ pub fn check_cut(stats: &Stats) -> Result<(), Failure> {
     }
 }
 
-/// Returns a line of received, accepted, rejected and dropped readings, losses, keystrokes that were not typed, and suppressed events.
+/// Returns `true` if the session was late, so that keys of a hand may be missing: it has stalled, or readings or keystrokes were dropped.
+pub fn may_miss_keys(stats: &Stats) -> bool {
+    stats.stalls + stats.source.dropped + stats.dropped_presses > 0
+}
+
+/// Returns a line of received, accepted, rejected and dropped readings, losses, stalls, keystrokes that were not typed, and suppressed
+/// events.
 pub fn line(stats: &Stats) -> String {
     let rejected = Rejection::ALL
         .iter()
@@ -68,6 +74,9 @@ pub fn line(stats: &Stats) -> String {
     if source.losses > 0 {
         line += &format!("; the device was lost {}", counted(source.losses, "time"));
     }
+    if stats.stalls > 0 {
+        line += &format!("; stalled {}", counted(stats.stalls, "time"));
+    }
     if stats.dropped_presses > 0 {
         let keystrokes = counted(stats.dropped_presses, "keystroke");
         line += &format!("; the output did not type {keystrokes}");
@@ -100,6 +109,23 @@ fn suppressed(suppressed: &Suppressed) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn stalls_are_named_and_may_cost_keys_as_dropped_readings_do() {
+        let mut stats = Stats {
+            accepted: 3,
+            ..Stats::default()
+        };
+        stats.source.readings = 3;
+        assert!(!may_miss_keys(&stats));
+        stats.stalls = 2;
+        let expected = "3 readings: 3 accepted; stalled 2 times";
+        assert_eq!(line(&stats), expected);
+        assert!(may_miss_keys(&stats));
+        stats.stalls = 0;
+        stats.source.dropped = 1;
+        assert!(may_miss_keys(&stats));
+    }
 
     #[test]
     fn keystrokes_that_the_output_dropped_are_named() {

@@ -179,6 +179,7 @@ fn play_on_line(
     let is_printed = args.output == "transcript";
     task.report(&mut io::stdout().lock(), &playback, is_printed)?;
     report(&playback, &summary, &line, hands as u64)?;
+    warn_if_late(&summary, &playback);
     outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
 }
 
@@ -234,6 +235,7 @@ fn play_bytes(
     let mut out = io::stdout().lock();
     task.report(&mut out, &playback, is_printed)?;
     write_row(&mut out, "readings   ", &stats::line(&summary.stats))?;
+    warn_if_late(&summary, &playback);
     outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
 }
 
@@ -241,6 +243,15 @@ fn play_bytes(
 /// knows nothing of the body and of the other hand.
 fn shows_more_than_a_line(layout: &Layout) -> bool {
     layout.uses_inputs() || layout.uses_body() || layout.follows_other_hand()
+}
+
+/// Warns if this machine was too busy for the hand. At an interruption the readings that wait count as dropped.
+fn warn_if_late(summary: &Summary, playback: &PlaybackStats) {
+    if !playback.is_cancelled && stats::may_miss_keys(&summary.stats) {
+        complain!(
+            "warning: this machine was too busy for the hand, and keys may be missing: see `readings`"
+        );
+    }
 }
 
 /// Returns the format of the bytes: the line's, or lines of LucidGloves at its rate for a glove with a stick and buttons, of body
