@@ -147,6 +147,21 @@ pub fn is_late(program: &Program) -> bool {
     has_said(WATCHDOG_LOST) || keymaps::STALLED.into_iter().any(has_said)
 }
 
+/// Messages of a run that was armed at its start, of its watchdog and of a demo, after which keys may be missing.
+const MAY_MISS_KEYS: [&str; 4] = [
+    "dropped: this machine is too busy",
+    "paused: hold the hand clear",
+    "released its keys",
+    "keys may be missing",
+];
+
+/// Returns `true` if a run or a demo says that a busy machine may have cost keys. Most such messages are of readings that no key
+/// depends on.
+pub fn may_miss_keys(program: &Program) -> bool {
+    let has_said = |part| program.count_lines(part) > 0;
+    MAY_MISS_KEYS.into_iter().any(has_said)
+}
+
 /// Waits until no key is pressed, and prints the time since `start`. `benches/release.rs` measures such times; here a busy
 /// machine may take any.
 fn wait_for_release(server: &XServer, start: Instant, what: &str) {
