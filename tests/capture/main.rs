@@ -22,6 +22,7 @@ mod network_poses;
 #[cfg(feature = "cli")]
 mod peer_cameras;
 mod peers;
+mod simulated_glove;
 mod statistics;
 mod tcp;
 #[cfg(unix)]
