@@ -143,6 +143,19 @@ fn the_lowest_point_counts_and_not_the_point_at_the_plane() {
 }
 
 #[test]
+fn a_thumb_that_glides_at_its_lowest_point_presses_the_key_that_it_reaches() {
+    let mut row = Row::new(true);
+    let (above, lowest, reached) = (at(1, 4.0, 15.0), at(1, 6.0, -9.0), at(2, -5.0, -8.7));
+    for (from, to) in [(above, lowest), (lowest, reached)] {
+        for step in 1..=8 {
+            row.show(&[(Finger::Thumb, from.lerp(to, step as f32 / 8.0))], 0.0);
+        }
+    }
+    row.go(&[(Finger::Thumb, reached, reached)], 60);
+    assert_eq!(row.pressed(), [(Finger::Thumb, 2)]);
+}
+
+#[test]
 fn a_stroke_that_means_one_key_presses_at_the_press_depth() {
     let time = |is_struck| {
         let mut row = Row::new(is_struck);

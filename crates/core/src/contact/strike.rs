@@ -167,9 +167,9 @@ fn decide(
         return Decision::Never;
     }
     if has_turned {
-        let turn = stroke.turn();
-        let found = step.target_at(stroke.location, target, turn);
-        let (location, _, place) = found.unwrap_or((stroke.location, target, turn));
+        let intended = stroke.intended(finger, at);
+        let found = step.target_at(stroke.location, target, intended);
+        let (location, _, place) = found.unwrap_or((stroke.location, target, intended));
         return Decision::Press(location, place);
     }
     let now = step.target_at(stroke.location, target, at);

@@ -1,8 +1,7 @@
 //! Taps as strokes: a fingertip that has gone through the front of a key, until it is known which key it means.
 //!
-//! A person means the lowest point of a stroke, not the point at which the fingertip passes the plane of the keys. A stroke presses
-//! at the press depth if the path so far leads to one key, clear of its edge; else, and always with a thumb, as soon as the fingertip
-//! turns. A finger that follows another one, and one that sinks slowly, presses nothing.
+//! A stroke presses at the press depth if the path so far leads to one key, clear of its edge; else, and always with a thumb, as soon as
+//! the fingertip turns. Then a thumb means the point that it has reached, and another finger its lowest point. A finger that follows another one, and one that sinks slowly, presses nothing.
 
 use std::time::Duration;
 
@@ -151,8 +150,19 @@ impl Stroke {
         slip > longest || along > PASSING_SPEED.max(inward)
     }
 
+    /// Returns the point that a stroke means, once it has turned `at` a point.
+    ///
+    /// A thumb that glides along the board at its lowest point is still on its arc to the key.
+    pub fn intended(&self, finger: Finger, at: Vec3) -> Vec3 {
+        if finger == Finger::Thumb && at.z < 0.0 {
+            at
+        } else {
+            self.turn()
+        }
+    }
+
     /// Returns the lowest point of a parabola through the deepest pad and its neighbors in time.
-    pub fn turn(&self) -> Vec3 {
+    fn turn(&self) -> Vec3 {
         let Some(after) = self.after else {
             return self.deepest;
         };
