@@ -1,4 +1,4 @@
-//! Keys that strokes press: where a fingertip turns, not where it passes the plane of the keys.
+//! Keys that strokes press: by the way of a fingertip below the plane of the keys, not by the point at which it passes the plane.
 
 use ademan_core::contact::surface::{Anchor, Scene, Shape, Share, TREMOR_MARGIN, Target};
 use ademan_core::contact::{ContactTracker, Phase, TargetId, Touch, Touches};
@@ -132,7 +132,7 @@ fn at(key: u32, x: f32, z: f32) -> Vec3 {
 }
 
 #[test]
-fn the_lowest_point_counts_and_not_the_point_at_the_plane() {
+fn the_way_below_the_plane_counts_and_not_the_point_at_the_plane() {
     // It passes the plane above key 1, 1 mm from the edge, and turns above key 2.
     let way = [(Finger::Index, at(1, 6.0, 15.0), at(2, -8.0, -9.0))];
     for (is_struck, key) in [(true, 2), (false, 1)] {
@@ -140,6 +140,19 @@ fn the_lowest_point_counts_and_not_the_point_at_the_plane() {
         row.tap(&way);
         assert_eq!(row.pressed(), [(Finger::Index, key)], "{is_struck}");
     }
+}
+
+#[test]
+fn a_finger_that_slips_under_pressure_presses_the_key_that_it_came_down_on() {
+    let mut row = Row::new(true);
+    // It slips by 2.5 mm along the board, once it has felt the key.
+    for step in 0..=24 {
+        let t = step as f32 / 12.0;
+        let height = 15.0 - 24.0 * minimum_jerk(1.0 - (t - 1.0).abs());
+        let slip = 2.5 * minimum_jerk(((t - 0.6) / 0.4).clamp(0.0, 1.0));
+        row.show(&[(Finger::Index, at(1, 8.0 + slip, height))], 0.0);
+    }
+    assert_eq!(row.pressed(), [(Finger::Index, 1)]);
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Taps as strokes: a fingertip that has gone through the front of a key, until it is known which key it means.
 //!
 //! A stroke presses at the press depth if the path so far leads to one key, clear of its edge; else, and always with a thumb, as soon as
-//! the fingertip turns. Then a thumb means the point that it has reached, and another finger its lowest point. A finger that follows another one, and one that sinks slowly, presses nothing.
+//! the fingertip turns. Then a thumb means the point that it has reached, and another finger a point between the plane of the keys and
+//! its lowest point. A finger that follows another one, and one that sinks slowly, presses nothing.
 
 use std::time::Duration;
 
@@ -48,6 +49,11 @@ const OVERTRAVEL: f32 = 0.004;
 
 /// The smallest distance of the end of the path from the edge of the key, in metres.
 const EDGE_CLEARANCE: f32 = 0.0015;
+
+/// The position of the intended point on the straight way of a finger from the front to its lowest point, as a fraction. A finger that is
+/// still on its way to the key means its lowest point, one that slips under pressure or is seen with a lag means the front, and the
+/// mean of two points has less noise than each. Between 0.4 and 0.6 simulated people have nearly the same errors.
+const INTENDED_FRACTION: f32 = 0.5;
 
 /// A fingertip that has entered a front and has not pressed yet. Points are positions of its pad in the frame of the entered target, in
 /// metres.
@@ -154,11 +160,12 @@ impl Stroke {
     ///
     /// A thumb that glides along the board at its lowest point is still on its arc to the key.
     pub fn intended(&self, finger: Finger, at: Vec3) -> Vec3 {
-        if finger == Finger::Thumb && at.z < 0.0 {
-            at
-        } else {
-            self.turn()
+        if finger != Finger::Thumb {
+            let turn = self.turn();
+            let on_board = self.entry.lerp(turn, INTENDED_FRACTION).truncate();
+            return on_board.extend(turn.z);
         }
+        if at.z < 0.0 { at } else { self.turn() }
     }
 
     /// Returns the lowest point of a parabola through the deepest pad and its neighbors in time.
