@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Sender, bounded, select};
 
-use super::wait::{HEARTBEAT_PERIOD, MAX_SILENCE};
+use super::wait::HEARTBEAT_PERIOD;
 use super::{Next, SessionLoop};
 use crate::session::SessionError;
 use crate::session::estimator_swap::EstimatorSwap;
@@ -38,8 +38,8 @@ impl SessionLoop<'_> {
         }
     }
 
-    /// Waits for the layout manager, which reports the outcome, so that a replay gives the same events at any speed. After
-    /// [`MAX_SILENCE`] the output, or its watchdog, releases what is pressed, as if the loop hung. `Stop` ends the wait.
+    /// Waits for the layout manager, which reports the outcome, so that a replay gives the same events at any speed. With an output
+    /// that has an effect, a long wait is a stall, as the reading that would release a key waits too. `Stop` ends the wait.
     fn run_layout_operation(&mut self, operation: LayoutOperation) -> Result<(), SessionError> {
         let Some(link) = self.commands.layouts() else {
             return Ok(());
@@ -58,9 +58,11 @@ impl SessionLoop<'_> {
                 },
                 recv(handled) -> _ => return Ok(()),
                 default(HEARTBEAT_PERIOD) => {
-                    if start.elapsed() < MAX_SILENCE {
-                        self.keep_output_alive()?;
+                    self.now = Instant::now();
+                    if self.time_to_stall().is_zero() {
+                        self.stall(None)?;
                     }
+                    self.keep_output_alive()?;
                 }
             }
         }
@@ -146,16 +148,17 @@ impl SessionLoop<'_> {
 pub(super) mod tests {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU64, Ordering};
-    use std::thread;
+    use std::thread::{self, JoinHandle};
     use std::time::Instant;
 
     use super::*;
-    use crate::capture::{CaptureError, Source, SourceEvent, SourceStats};
+    use crate::capture::{CaptureError, Source, SourceEvent, SourceStats, SourceUri};
     use crate::output::{OutputError, Sink};
     use crate::session::command_channel::{CommandReceiver, command_channel};
     use crate::session::event_loop::capture::Capture;
+    use crate::session::layout_link::LayoutLink;
     use crate::setup::Setup;
-    use ademan_core::device::OutputEvent;
+    use ademan_core::device::{Events, OutputEvent};
     use ademan_core::pipeline::Pipeline;
     use ademan_core::snapshot::StepView;
 
@@ -195,24 +198,47 @@ pub(super) mod tests {
         }
     }
 
-    #[test]
-    fn a_replay_that_waits_for_the_layout_manager_keeps_calling_its_output() {
-        let mut commands = CommandReceiver::disconnected();
-        let manager = commands.link_layouts();
-        let calls = Arc::new(AtomicU64::new(0));
-        let seen = Arc::clone(&calls);
-        let slow_manager = thread::spawn(move || {
+    /// Returns a pipeline that has accepted a reading of a simulated hand.
+    pub fn tracking_pipeline() -> Pipeline {
+        let uri: SourceUri = "typist:a".parse().unwrap();
+        let setup = Setup {
+            source: Some(uri.clone()),
+            ..Setup::default()
+        };
+        let setup = setup.load_files().unwrap();
+        let mut source = setup.open_source(&uri).unwrap();
+        let mut pipeline = setup.pipeline();
+        while !pipeline.expects_readings() {
+            let SourceEvent::Reading(reading) = source.next().unwrap() else {
+                panic!("no reading of the hand was accepted");
+            };
+            // The first readings may be rejected.
+            let _ = pipeline.step(&reading, &mut Events::new());
+        }
+        pipeline
+    }
+
+    /// Starts a layout manager that handles a request after the output was called three times. It returns the number of calls.
+    fn start_slow_manager(manager: LayoutLink, calls: Arc<AtomicU64>) -> JoinHandle<u64> {
+        thread::spawn(move || {
             let request = manager
                 .requests()
                 .recv_timeout(10 * LAYOUT_TIMEOUT)
                 .unwrap();
             let start = Instant::now();
-            while seen.load(Ordering::Relaxed) < 3 && start.elapsed() < LAYOUT_TIMEOUT / 2 {
+            while calls.load(Ordering::Relaxed) < 3 && start.elapsed() < LAYOUT_TIMEOUT / 2 {
                 thread::yield_now();
             }
             drop(request);
-            seen.load(Ordering::Relaxed)
-        });
+            calls.load(Ordering::Relaxed)
+        })
+    }
+
+    #[test]
+    fn a_replay_that_waits_for_the_layout_manager_keeps_calling_its_output() {
+        let mut commands = CommandReceiver::disconnected();
+        let calls = Arc::new(AtomicU64::new(0));
+        let manager = start_slow_manager(commands.link_layouts(), Arc::clone(&calls));
         let mut pipeline = Setup::default().load_files().unwrap().pipeline();
         let mut sink = CountingSink(calls);
         let observer = &mut |_: &StepView, _: Instant, _: &Pipeline| {};
@@ -221,7 +247,26 @@ pub(super) mod tests {
         session
             .run_layout_operation(LayoutOperation::Reload)
             .unwrap();
-        assert!(slow_manager.join().unwrap() >= 3);
+        assert!(manager.join().unwrap() >= 3);
+    }
+
+    #[test]
+    fn a_replay_that_waits_long_for_the_layout_manager_releases_everything() {
+        let mut commands = CommandReceiver::disconnected();
+        let calls = Arc::new(AtomicU64::new(0));
+        let manager = start_slow_manager(commands.link_layouts(), Arc::clone(&calls));
+        let mut pipeline = tracking_pipeline();
+        let mut sink = CountingSink(calls);
+        let observer = &mut |_: &StepView, _: Instant, _: &Pipeline| {};
+        let capture = Capture::start(EmptyRecording).unwrap();
+        let mut session = SessionLoop::new(capture, &commands, &mut pipeline, &mut sink, observer);
+        session.last_reading_at = session.now.checked_sub(Duration::from_secs(1));
+        session
+            .run_layout_operation(LayoutOperation::Reload)
+            .unwrap();
+        assert!(manager.join().unwrap() >= 3);
+        assert_eq!(session.pipeline.stalls(), 1);
+        assert!(!session.pipeline.expects_readings());
     }
 
     #[test]

@@ -6,9 +6,13 @@ use super::SessionLoop;
 use crate::session::SessionError;
 use ademan_core::time::NO_DEADLINE;
 
-/// Longest time in which a source that is not live, and whose keys are pressed, may neither return a reading nor state the time.
-/// A longer silence means that the disk of a recording hangs; even on a busy machine, the thread of the source is not that late.
-pub(super) const MAX_SILENCE: Duration = Duration::from_secs(1);
+/// Longest time in which a source that is not live, and whose keys are pressed, may neither return a reading nor state the time, also
+/// while the loop waits for the layout manager. A longer silence means that the disk of a recording hangs, or that a busy machine has
+/// not run the thread of the source.
+///
+/// With the 150 ms for which a person holds a key, the release comes before a desktop repeats the key: GNOME after 500 ms, sway
+/// after 600 ms, an X server after 660 ms. A live source has the shorter stall timeout.
+const MAX_SILENCE: Duration = Duration::from_millis(300);
 
 /// Longest time without a call of the output while readings are expected. The thread of an output, or the watchdog, releases all
 /// keys after some 200 ms without one.
@@ -58,5 +62,34 @@ impl SessionLoop<'_> {
             }
             _ => NO_DEADLINE,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::command_channel::CommandReceiver;
+    use crate::session::event_loop::capture::Capture;
+    use crate::session::event_loop::layouts::tests::{
+        CountingSink, EmptyRecording, tracking_pipeline,
+    };
+    use ademan_core::pipeline::Pipeline;
+    use ademan_core::snapshot::StepView;
+
+    #[test]
+    fn a_silent_replay_stalls_before_a_desktop_repeats_a_key() {
+        const SHORTEST_REPEAT_DELAY: Duration = Duration::from_millis(500);
+        const KEYSTROKE: Duration = Duration::from_millis(150);
+        let commands = CommandReceiver::disconnected();
+        let mut pipeline = tracking_pipeline();
+        let mut sink = CountingSink::default();
+        let observer = &mut |_: &StepView, _: Instant, _: &Pipeline| {};
+        let capture = Capture::start(EmptyRecording).unwrap();
+        let mut session = SessionLoop::new(capture, &commands, &mut pipeline, &mut sink, observer);
+        let reading_at = session.now;
+        session.last_reading_at = Some(reading_at);
+        assert!(session.time_to_stall() > session.pipeline.stall_timeout());
+        session.now = reading_at + (SHORTEST_REPEAT_DELAY - KEYSTROKE);
+        assert_eq!(session.time_to_stall(), Duration::ZERO);
     }
 }
