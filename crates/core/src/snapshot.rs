@@ -157,4 +157,6 @@ pub struct Stats {
     /// Presses and characters that the output did not deliver (see
     /// `Sink::dropped_presses`).
     pub dropped_presses: u64,
+    /// Stalls of the output (see `Sink::has_stalled`) that disarmed it.
+    pub output_stalls: u64,
 }

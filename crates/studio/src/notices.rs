@@ -17,6 +17,7 @@ static NOTICES: LazyLock<Vec<(String, &'static str)>> = LazyLock::new(|| {
         (armed(true), "notice-armed"),
         (armed(false), "notice-armed-nowhere"),
         (Notice::Stalled, "notice-stalled"),
+        (Notice::OutputStalled, "notice-output-stalled"),
         (Notice::Paused(Layout), "notice-paused-by-layout"),
         (Notice::Paused(RateLimit), "notice-paused-by-rate"),
         (Notice::HandFound(Side::Left), "notice-left-found"),

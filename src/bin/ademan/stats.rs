@@ -34,13 +34,14 @@ pub fn check_cut(stats: &Stats) -> Result<(), Failure> {
     }
 }
 
-/// Returns `true` if the session was late, so that keys of a hand may be missing: it has stalled, or readings or keystrokes were dropped.
+/// Returns `true` if the session was late, so that keys of a hand may be missing: it or its output has stalled, or readings or
+/// keystrokes were dropped.
 pub fn may_miss_keys(stats: &Stats) -> bool {
-    stats.stalls + stats.source.dropped + stats.dropped_presses > 0
+    stats.stalls + stats.output_stalls + stats.source.dropped + stats.dropped_presses > 0
 }
 
-/// Returns a line of received, accepted, rejected and dropped readings, losses, stalls, keystrokes that were not typed, and suppressed
-/// events.
+/// Returns a line of received, accepted, rejected and dropped readings, losses, stalls of the session and its output, keystrokes that were
+/// not typed, and suppressed events.
 pub fn line(stats: &Stats) -> String {
     let rejected = Rejection::ALL
         .iter()
@@ -76,6 +77,10 @@ pub fn line(stats: &Stats) -> String {
     }
     if stats.stalls > 0 {
         line += &format!("; stalled {}", counted(stats.stalls, "time"));
+    }
+    if stats.output_stalls > 0 {
+        let times = counted(stats.output_stalls, "time");
+        line += &format!("; the output stalled {times}");
     }
     if stats.dropped_presses > 0 {
         let keystrokes = counted(stats.dropped_presses, "keystroke");
@@ -119,10 +124,15 @@ mod tests {
         stats.source.readings = 3;
         assert!(!may_miss_keys(&stats));
         stats.stalls = 2;
-        let expected = "3 readings: 3 accepted; stalled 2 times";
-        assert_eq!(line(&stats), expected);
+        assert_eq!(line(&stats), "3 readings: 3 accepted; stalled 2 times");
         assert!(may_miss_keys(&stats));
-        stats.stalls = 0;
+        (stats.stalls, stats.output_stalls) = (0, 1);
+        assert_eq!(
+            line(&stats),
+            "3 readings: 3 accepted; the output stalled 1 time"
+        );
+        assert!(may_miss_keys(&stats));
+        stats.output_stalls = 0;
         stats.source.dropped = 1;
         assert!(may_miss_keys(&stats));
     }

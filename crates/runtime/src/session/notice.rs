@@ -19,6 +19,10 @@ use ademan_core::pipeline::HandLoss;
 pub const AWAITING_HAND: &str =
     "hold your hand open and still for a second: the layout is placed there";
 
+/// The reason for a stall of the output in which no keystroke was dropped.
+const OUTPUT_STALLED: &str = "everything is released: this program or its output did not respond in time; this machine is too busy, or \
+                              the program was stopped";
+
 /// The control that is nearest to a hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NearestTarget {
@@ -79,6 +83,8 @@ pub enum Notice {
     Dropped(u64),
     /// This many presses and characters were dropped by the output.
     DroppedPresses(u64),
+    /// The output has stalled, but dropped nothing: its thread or the watchdog has released the keys of a program that was late.
+    OutputStalled,
     /// This many system keys were suppressed.
     SystemKeysSuppressed(u64),
     /// Keys were suppressed because of the role of their source.
@@ -190,6 +196,7 @@ impl fmt::Display for Notice {
                  before a correction",
                 counted(*count, "keystroke")
             ),
+            Self::OutputStalled => f.write_str(OUTPUT_STALLED),
             Self::SystemKeysSuppressed(count) => write!(
                 f,
                 "{} suppressed that would act on the system; `allow_system_keys: true` in the setup allows them",

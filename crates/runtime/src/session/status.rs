@@ -29,6 +29,7 @@ struct StatusLog {
     rejected: [u64; Rejection::COUNT],
     dropped: u64,
     dropped_presses: u64,
+    output_stalls: u64,
     system_keys: u64,
     keys_by_role: u64,
     pointing_by_role: u64,
@@ -52,6 +53,7 @@ enum Topic {
     Rejected(Rejection),
     Dropped,
     DroppedPresses,
+    OutputStalled,
     SystemKeys,
     KeysByRole,
     PointingByRole,
@@ -144,6 +146,9 @@ impl StatusLog {
     ) {
         // At the end the readings that were not processed count as dropped.
         if step.state != PipelineState::Stopped {
+            if let Some(notice) = self.output_stall(step.stats, now) {
+                report(notice);
+            }
             self.report_losses(step.stats, now, report);
         }
         self.report_untrusted(step, hints, now, report);
@@ -235,6 +240,17 @@ impl StatusLog {
             && self.system_keys == stats.suppressed.system_keys
             && self.keys_by_role == stats.suppressed.keys_by_role
             && self.pointing_by_role == stats.suppressed.pointing_by_role
+    }
+
+    /// Returns the notice of an output that has stalled, unless the notice about dropped keystrokes explains it.
+    fn output_stall(&mut self, stats: &Stats, now: Instant) -> Option<Notice> {
+        let is_explained = self.dropped_presses != stats.dropped_presses;
+        let reported = std::mem::replace(&mut self.output_stalls, stats.output_stalls);
+        if reported == stats.output_stalls || is_explained {
+            return None;
+        }
+        let (topic, notice) = (Topic::OutputStalled, Notice::OutputStalled);
+        self.limits.admit(topic, 1, notice, now)
     }
 
     /// Reports counters that have increased, each with the increase since its last notice.
@@ -435,6 +451,35 @@ mod tests {
             report_with(23, None, false),
             "the left hand is tracked again"
         );
+    }
+
+    #[test]
+    fn an_output_that_stalls_without_a_dropped_keystroke_gives_a_reason() {
+        let mut log = StatusLog::default();
+        let now = Instant::now();
+        let mut report = |output_stalls, dropped_presses| {
+            let stats = Stats {
+                output_stalls,
+                dropped_presses,
+                ..Stats::default()
+            };
+            let mut notices = Vec::from_iter(log.output_stall(&stats, now));
+            log.report_losses(&stats, now, &mut |notice| notices.push(notice));
+            assert!(!notices.iter().any(Notice::is_routine), "{notices:?}");
+            let texts: Vec<_> = notices.iter().map(ToString::to_string).collect();
+            texts.join("; ")
+        };
+        assert_eq!(report(0, 0), "");
+        let dropped = report(1, 2);
+        assert!(dropped.starts_with("2 keystrokes dropped:"), "{dropped}");
+        assert!(!dropped.contains("everything is released"), "{dropped}");
+        assert_eq!(report(1, 2), "");
+        let stalled = report(2, 2);
+        assert!(
+            stalled.starts_with("everything is released: this program or its output"),
+            "{stalled}"
+        );
+        assert_eq!(report(2, 2), "");
     }
 
     #[test]

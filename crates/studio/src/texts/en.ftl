@@ -200,6 +200,7 @@ notice-disarmed = Paused: hold the hand clear of all keys for a moment to arm
 notice-armed = Armed: touches are sent to other programs
 notice-armed-nowhere = Armed: nothing is typed into other programs
 notice-stalled = No usable readings: everything is released
+notice-output-stalled = This program or its output did not respond in time: everything is released. This machine is too busy, or the program was stopped
 notice-paused = Paused: everything is released
 notice-paused-by-layout = Paused by a key or gesture of the layout, which also resumes: everything is released
 notice-paused-by-rate = Paused: more presses than a person makes (max_presses_per_second in the setup); everything is released

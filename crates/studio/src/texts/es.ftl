@@ -200,6 +200,7 @@ notice-disarmed = En pausa: mantenga la mano un momento lejos de todas las tecla
 notice-armed = Activado: los toques se envían a otros programas
 notice-armed-nowhere = Activado: no se escribe nada en otros programas
 notice-stalled = Sin lecturas útiles: se ha soltado todo
+notice-output-stalled = El programa o su salida no han respondido a tiempo: se ha soltado todo. El equipo está demasiado ocupado o el programa estuvo detenido
 notice-paused = En pausa: se ha soltado todo
 notice-paused-by-layout = En pausa por una tecla o un gesto de la distribución, que también reanuda: se ha soltado todo
 notice-paused-by-rate = En pausa: más pulsaciones de las que hace una persona (max_presses_per_second en la configuración); se ha soltado todo

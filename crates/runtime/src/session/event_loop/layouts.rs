@@ -198,11 +198,12 @@ pub(super) mod tests {
         }
     }
 
-    /// Returns a pipeline that has accepted a reading of a simulated hand.
+    /// Returns a pipeline that has accepted a reading of a simulated hand and is armed.
     pub fn tracking_pipeline() -> Pipeline {
         let uri: SourceUri = "typist:a".parse().unwrap();
         let setup = Setup {
             source: Some(uri.clone()),
+            arm_immediately: true,
             ..Setup::default()
         };
         let setup = setup.load_files().unwrap();

@@ -37,9 +37,64 @@ impl SessionLoop<'_> {
 
     /// Releases everything, including locked modifiers, after the output has dropped a press or the watchdog has released keys.
     fn stall_output(&mut self) -> Result<(), SessionError> {
+        let was_armed = self.pipeline.state() == PipelineState::Running;
+        self.stats.output_stalls += u64::from(was_armed);
         let sent = self.events.len();
         self.pipeline.stall_output(&mut self.events);
         self.sink.0.void_presses();
         Ok(self.sink.0.send(&self.events[sent..])?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+    use crate::output::{OutputError, Sink};
+    use crate::session::command_channel::CommandReceiver;
+    use crate::session::event_loop::capture::Capture;
+    use crate::session::event_loop::layouts::tests::{EmptyRecording, tracking_pipeline};
+    use ademan_core::device::OutputEvent;
+    use ademan_core::pipeline::Pipeline;
+    use ademan_core::snapshot::StepView;
+
+    /// An output whose watchdog has released the keys.
+    struct StalledSink(bool);
+
+    impl Sink for StalledSink {
+        fn send(&mut self, _: &[OutputEvent]) -> Result<(), OutputError> {
+            Ok(())
+        }
+
+        fn void_presses(&mut self) {
+            self.0 = false;
+        }
+
+        fn has_stalled(&self) -> bool {
+            self.0
+        }
+
+        fn close(&mut self) -> Result<(), OutputError> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_stall_of_an_armed_output_is_counted_and_shown_to_the_observers() {
+        let commands = CommandReceiver::disconnected();
+        let mut pipeline = tracking_pipeline();
+        assert_eq!(pipeline.state(), PipelineState::Running);
+        let mut sink = StalledSink(true);
+        let mut seen = Vec::new();
+        let observer = &mut |step: &StepView, _: Instant, _: &Pipeline| {
+            seen.push((step.state, step.stats.output_stalls));
+        };
+        let capture = Capture::start(EmptyRecording).unwrap();
+        let mut session = SessionLoop::new(capture, &commands, &mut pipeline, &mut sink, observer);
+        session.keep_output_alive().unwrap();
+        session.keep_output_alive().unwrap();
+        drop(session);
+        assert_eq!(seen, [(PipelineState::Paused, 1)]);
     }
 }
