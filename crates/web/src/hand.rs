@@ -30,6 +30,9 @@ const PROTOCOLS: &[&Protocol] = &[
     &hand_landmarks::PROTOCOL,
 ];
 
+/// Longest wait for one reading of a recording, as in `ademan replay`: a device may have been lost for hours.
+pub const MAX_GAP: Duration = Duration::from_secs(2);
+
 /// Most readings of a recording that wait.
 const MAX_WAITING: usize = 200_000;
 
@@ -268,15 +271,18 @@ impl FollowedHand {
                     }
                     let due = Timestamp(own.0.saturating_add_signed(offset.unwrap_or(arrival)));
                     let is_of_file = !is_live && packet.sent_at.is_some();
-                    match waiting.back() {
+                    let shifted = match waiting.back() {
                         // Its readings would all be due at once.
-                        Some(last) if is_of_file && due < last.time => {
-                            let later = last.time + RESTART_PAUSE;
-                            *offset = Some(later.0.cast_signed().wrapping_sub(own.0.cast_signed()));
-                            later
+                        Some(last) if is_of_file && due < last.time => last.time + RESTART_PAUSE,
+                        Some(last) if !is_live && due.since(last.time) > MAX_GAP => {
+                            last.time + MAX_GAP
                         }
                         _ => due,
+                    };
+                    if shifted != due {
+                        *offset = Some(shifted.0.cast_signed().wrapping_sub(own.0.cast_signed()));
                     }
+                    shifted
                 }
                 None => now,
             };

@@ -14,14 +14,11 @@ use ademan_core::time::Timestamp;
 use ademan_recording::{RecordedEvent, RecordedSetup, Recording, kind};
 use serde::Serialize;
 
-use crate::hand::Hand;
+use crate::hand::{Hand, MAX_GAP};
 use crate::session::{PageSession, estimator, pipeline_settings};
 
 /// Most readings of a recording that are kept: an hour of a glove with 50 readings a second.
 const MAX_READINGS: usize = 200_000;
-
-/// Longest wait for one reading, as in `ademan replay`: a device may have been lost for hours.
-const MAX_GAP: Duration = Duration::from_secs(2);
 
 /// A recording that moves the hands.
 #[derive(Debug, Serialize)]

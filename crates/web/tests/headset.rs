@@ -105,6 +105,28 @@ fn a_second_run_of_a_sender_in_a_file_is_played_after_the_first_one() {
 }
 
 #[test]
+fn a_gap_of_an_hour_in_a_file_is_played_in_two_seconds() {
+    const HOUR_US: u64 = 3_600_000_000;
+    let mut person = session();
+    assert_eq!(person.type_text("hi"), []);
+    let (mut parts, mut time_us) = ([String::new(), String::new()], 0);
+    while person.hand_state() != HandState::Resting {
+        let poses = of_kind(&person.advance(PERIOD), "pose");
+        for (part, start_us) in parts.iter_mut().zip([0, HOUR_US]) {
+            part.push_str(&line(start_us + time_us, &poses));
+        }
+        time_us += 10_000;
+    }
+    let mut player = session();
+    let played = player.play_file("webxr", parts.concat().as_bytes());
+    assert!(played.is_ok(), "{played:?}");
+    for _ in 0..2 * time_us / 10_000 + 300 {
+        player.advance(PERIOD);
+    }
+    assert_eq!(player.text(), "hihi");
+}
+
+#[test]
 fn a_file_that_ends_while_a_key_is_down_releases_it() {
     let (mut person, mut probe) = (session(), session());
     assert_eq!(person.type_text("h"), []);
