@@ -25,7 +25,7 @@ fn the_doctor_finds_a_display_and_leaves_it_unchanged() {
     };
     let (code, out) = doctor(server.display());
     let found = format!(
-        "ok           display      needed  an X server listens at `{}`\n",
+        "ok           display      needed  an X server accepts connections at `{}`\n",
         server.display()
     );
     assert!(out.contains(&found), "{out}");

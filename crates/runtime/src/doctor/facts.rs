@@ -67,10 +67,12 @@ pub struct UinputFacts {
 pub enum XDisplay {
     /// `DISPLAY` is not set.
     Unset,
-    /// A server listens at this display.
+    /// A server accepts connections at this display.
     Reachable(String),
-    /// No server listens at this display.
+    /// No server answers at this display.
     Unreachable(String),
+    /// The server of the display refuses the connection, for the reason that it states.
+    Refused(String),
     /// Only a test can tell, for this reason.
     Unknown(String),
 }

@@ -107,10 +107,11 @@ fn check_display(facts: &Facts, requirements: &Requirements) -> Finding {
     let needed = requirements.desktop && !uses_compositor(facts);
     let (status, advice) = match &facts.display {
         XDisplay::Reachable(name) => {
-            let text = format!("an X server listens at `{}`", escape(name));
+            let text = format!("an X server accepts connections at `{}`", escape(name));
             return ok("display", needed, text);
         }
         XDisplay::Unreachable(name) => (CheckStatus::Missing, advice::no_display(Some(name))),
+        XDisplay::Refused(reason) => (CheckStatus::Missing, advice::refused_by_display(reason)),
         XDisplay::Unset => (CheckStatus::Missing, advice::no_display(None)),
         XDisplay::Unknown(reason) => {
             let advice = Advice::new(reason, "test it: `ademan doctor --test desktop`");
@@ -121,7 +122,10 @@ fn check_display(facts: &Facts, requirements: &Requirements) -> Finding {
 }
 
 fn is_without_display(display: &XDisplay) -> bool {
-    matches!(display, XDisplay::Unset | XDisplay::Unreachable(_))
+    matches!(
+        display,
+        XDisplay::Unset | XDisplay::Unreachable(_) | XDisplay::Refused(_)
+    )
 }
 
 fn check_compositor(facts: &Facts, requirements: &Requirements) -> Finding {

@@ -223,6 +223,20 @@ fn a_display_is_not_needed_with_a_compositor() {
 }
 
 #[test]
+fn an_x_server_that_refuses_the_connection_is_no_display() {
+    let mut facts = complete();
+    facts.display = XDisplay::Refused("No protocol specified\n".into());
+    let findings = check(&facts, &all_requirements());
+    let display = &findings[3];
+    assert_eq!(
+        display.text,
+        "the X server refuses the connection: No protocol specified"
+    );
+    assert!(display.next_step.contains("XAUTHORITY"), "{display:?}");
+    assert!(!is_satisfied(&facts, &all_requirements()));
+}
+
+#[test]
 fn an_unknown_status_does_not_satisfy() {
     let mut facts = complete();
     facts.display = XDisplay::Unknown("`far:0` is on the network".into());

@@ -15,7 +15,7 @@ use super::super::facts::{
     Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, WatchdogScope,
     XDisplay,
 };
-use super::wayland;
+use super::{wayland, x11};
 use crate::advice::AccessDenied;
 use crate::output::SUPPORTS_WAYLAND;
 use crate::output::socket;
@@ -234,8 +234,13 @@ impl<'a> Machine<'a> {
         }
         let number = screen.split('.').next().unwrap_or_default();
         let path = self.at(format!("/tmp/.X11-unix/X{number}"));
-        match socket::connect_to_any(&path) {
-            Ok(_) => XDisplay::Reachable(name.to_owned()),
+        let Ok(display) = number.parse::<u16>() else {
+            return XDisplay::Unreachable(name.to_owned());
+        };
+        let host = fs::read(self.at("/proc/sys/kernel/hostname")).unwrap_or_default();
+        match x11::refusal(&path, host.trim_ascii_end(), display) {
+            Ok(None) => XDisplay::Reachable(name.to_owned()),
+            Ok(Some(reason)) => XDisplay::Refused(reason),
             Err(_) => XDisplay::Unreachable(name.to_owned()),
         }
     }

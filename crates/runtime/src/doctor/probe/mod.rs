@@ -4,6 +4,8 @@
 mod linux;
 #[cfg(target_os = "linux")]
 mod wayland;
+#[cfg(target_os = "linux")]
+mod x11;
 #[cfg(not(target_os = "linux"))]
 mod unsupported;
 #[cfg(all(test, target_os = "linux"))]

@@ -1,6 +1,7 @@
 //! Tests of the inspection of a Linux machine.
 
 use std::fs::{Permissions, create_dir_all, set_permissions, write};
+use std::io::{Read, Write};
 use std::os::unix::fs::{PermissionsExt, chown};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::thread;
@@ -180,7 +181,7 @@ fn a_module_is_loaded_loadable_or_missing() {
 }
 
 #[test]
-fn a_display_is_reachable_if_a_server_listens() {
+fn a_display_is_reachable_if_a_server_accepts_connections() {
     let root = Root::new();
     let display = |name: &str| {
         let environment = Environment {
@@ -191,10 +192,35 @@ fn a_display_is_reachable_if_a_server_listens() {
     };
     assert_eq!(display(":7.0"), XDisplay::Unreachable(":7.0".into()));
     create_dir_all(root.0.path().join("tmp/.X11-unix")).unwrap();
-    let _server = UnixListener::bind(root.0.path().join("tmp/.X11-unix/X7")).unwrap();
+    let reason = b"No protocol specified\n";
+    let words = reason.len().div_ceil(4) as u16;
+    let refusal = |status: u8, length: u8| {
+        let lengths = [11_u16, 0, words].map(u16::to_ne_bytes).concat();
+        let mut reply = [&[status, length][..], lengths.as_slice(), reason.as_slice()].concat();
+        reply.resize(8 + 4 * usize::from(words), 0);
+        reply
+    };
+    let replies = [
+        vec![1, 0, 11, 0, 0, 0, 0, 0],
+        vec![1, 0, 11, 0, 0, 0, 0, 0],
+        refusal(0, reason.len() as u8),
+        refusal(2, 0),
+    ];
+    let server = UnixListener::bind(root.0.path().join("tmp/.X11-unix/X7")).unwrap();
+    thread::spawn(move || {
+        for reply in replies {
+            let (mut client, _) = server.accept().unwrap();
+            client.read_exact(&mut [0; 12]).unwrap();
+            client.write_all(&reply).unwrap();
+        }
+    });
     assert_eq!(display(":7.0"), XDisplay::Reachable(":7.0".into()));
     assert_eq!(display("unix:7"), XDisplay::Reachable("unix:7".into()));
+    let refused = XDisplay::Refused("No protocol specified\n".into());
+    assert_eq!(display(":7"), refused);
+    assert_eq!(display(":7"), refused);
     assert!(matches!(display("far:7"), XDisplay::Unknown(_)));
+    assert_eq!(display(":0x7"), XDisplay::Unreachable(":0x7".into()));
 }
 
 #[test]
