@@ -23,6 +23,9 @@ const USE: u8 = 2;
 /// Exit code for a damaged recording.
 const DAMAGED: u8 = 3;
 
+/// The number of an input or output error on every Unix. The standard library has no kind for it.
+const EIO: i32 = 5;
+
 /// Reason why a command failed.
 #[derive(Debug)]
 pub struct Failure {
@@ -73,19 +76,29 @@ impl Failure {
         if self.is_broken_pipe() {
             return ExitCode::SUCCESS;
         }
-        // Errors of other files name them.
-        let io = self.error.downcast_ref::<io::Error>();
-        let is_full = |error: &io::Error| {
-            use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
-            matches!(error.kind(), StorageFull | QuotaExceeded | FileTooLarge)
-        };
-        let context = if io.is_some_and(is_full) {
-            "cannot write to the standard output: "
-        } else {
-            ""
-        };
-        complain!("error: {context}{}", self.error);
+        complain!("error: {}", self.message());
         ExitCode::from(self.code)
+    }
+
+    /// Returns the text of the error. One of a standard stream names the stream and the remedy; errors of other files name them.
+    fn message(&self) -> String {
+        use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull, WouldBlock};
+        let error = &self.error;
+        let Some(io) = error.downcast_ref::<io::Error>() else {
+            return error.to_string();
+        };
+        match io.kind() {
+            StorageFull | QuotaExceeded | FileTooLarge => {
+                format!("cannot write to the standard output: {error}")
+            }
+            WouldBlock => format!(
+                "cannot use the standard input or output: {error}; another program has switched it to non-blocking mode: add `| cat`"
+            ),
+            _ if cfg!(unix) && io.raw_os_error() == Some(EIO) => format!(
+                "cannot use the standard input or output: {error}; its terminal was closed, or its disk fails"
+            ),
+            _ => error.to_string(),
+        }
     }
 
     fn is_broken_pipe(&self) -> bool {
@@ -199,5 +212,28 @@ impl From<SessionError> for Failure {
                 Self::new(error, USE)
             }
         }
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_of_a_standard_stream_names_the_stream_and_the_remedy() {
+        let message = |error: io::Error| Failure::from(error).message();
+        let full = message(io::ErrorKind::StorageFull.into());
+        let writing = "cannot write to the standard output: ";
+        assert!(full.starts_with(writing), "{full}");
+        let using = "cannot use the standard input or output: ";
+        let busy = message(io::ErrorKind::WouldBlock.into());
+        assert!(busy.starts_with(using) && busy.ends_with("add `| cat`"));
+        let closed = message(io::Error::from_raw_os_error(EIO));
+        assert!(closed.starts_with(using), "{closed}");
+        assert!(closed.contains("its terminal was closed"), "{closed}");
+        let other = message(io::Error::other("no such page"));
+        assert_eq!(other, "no such page");
+        let file = Failure::cannot_read(Path::new("a.ron"), io::Error::from_raw_os_error(EIO));
+        assert!(file.message().starts_with("cannot read a.ron: "));
     }
 }
