@@ -260,11 +260,13 @@ impl Field {
     }
 }
 
-/// Writes the setup of a simulated hand that types a text through the input method, with a text decoder. Returns its path.
+/// Writes the setup of a simulated hand that types a text through the input method, with a text decoder. Returns its path. A busy machine
+/// must not cause a stall.
 pub fn write_setup(folder: &Path, text: &str) -> PathBuf {
     let setup = folder.join("setup.ron");
     let text = format!(
-        "Setup(source: \"typist:{text}\", layout: \"qwerty-flat\", output: \"ime\", text: (mode: Auto))"
+        "Setup(source: \"typist:{text}\", layout: \"qwerty-flat\", output: \"ime\", text: (mode: Auto), \
+         stall_timeout_ms: 5000)"
     );
     fs::write(&setup, text).expect("space on the disk");
     setup
