@@ -126,6 +126,17 @@ fn each_motion_deflects_its_own_axis_and_no_other() {
 }
 
 #[test]
+fn a_motion_may_deflect_every_axis() {
+    let written = |axis: &Axis| format!("(axis: \"{axis}\", motion: Up(100))");
+    let all: Vec<_> = Axis::ALL.iter().map(written).collect();
+    let mode = format!("point: Wrist, axes: [{}], dead_zone: 0", all.join(", "));
+    let up = (Vec3::Y * 0.05, Rot3::IDENTITY);
+    let moved = play(&mode, Side::Right, up, Vec3::ZERO);
+    let expected: Vec<_> = Axis::ALL.iter().map(|axis| (*axis, 0.5)).collect();
+    assert_eq!(moved, expected);
+}
+
+#[test]
 fn a_left_hand_moves_and_turns_in_the_same_directions() {
     let mode = format!("point: Wrist, axes: [{AXES}], dead_zone: 0");
     let play = |moved| play(&mode, Side::Left, moved, Vec3::ZERO);

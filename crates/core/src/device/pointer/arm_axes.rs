@@ -4,13 +4,10 @@ use super::posture::{HandMotion, HandPosture};
 use crate::device::{Axis, Capabilities, Capability, DeviceOutput, EventKind};
 use crate::time::Timestamp;
 
-/// Maximum number of axes of a pointer: every axis of a gamepad and of a 6-DoF device.
-pub const MAX_ARM_AXES: usize = 12;
-
 /// The axes of a pointer in the mode [`Arm`](super::PointingMode::Arm).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ArmAxes {
-    /// The axes, at most [`MAX_ARM_AXES`], each at most once.
+    /// The axes, each at most once.
     pub axes: Vec<ArmAxis>,
     /// Deflection within which an axis is 0: 0..1.
     pub dead_zone: f32,
@@ -92,7 +89,7 @@ pub(super) struct ArmAxesState {
     /// The posture in which the clutch was pressed; `None` while it is off.
     center: Option<HandPosture>,
     /// The value of each axis that was emitted last.
-    emitted: [f32; MAX_ARM_AXES],
+    emitted: [f32; Axis::COUNT],
 }
 
 impl ArmAxesState {

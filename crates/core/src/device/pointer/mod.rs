@@ -20,7 +20,7 @@ mod settings;
 mod trusted_hand;
 
 pub use anchored_frame::AnchoredFrame;
-pub use arm_axes::{ArmAxes, ArmAxis, ArmDirection, MAX_ARM_AXES};
+pub use arm_axes::{ArmAxes, ArmAxis, ArmDirection};
 pub use dwell::DwellSettings;
 pub use gesture::{Gesture, PinchGaps};
 pub use mode::PointingMode;
