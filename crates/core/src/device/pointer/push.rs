@@ -4,8 +4,8 @@ use parry3d::math::Vec3;
 
 use super::gesture::Thresholds;
 
-/// Rate at which the origin of a push follows a fingertip that moves forward, in 1/s. A push of 15 mm then
-/// starts from 150 mm/s, the minimum speed of TouchFree.
+/// Rate at which the origin of a push follows a fingertip that moves forward, in 1/s: a push needs this multiple of its depth per
+/// second. With 15 mm that is 150 mm/s, the minimum speed of TouchFree.
 const FOLLOW_RATE: f32 = 10.0;
 
 /// Maximum sideways motion per forward motion: 15°. A fingertip that moves further sideways is on its way to

@@ -44,7 +44,8 @@ schema! {
         Flexion(Dof, JointAngle),
         /// A trigger or button of the glove is held.
         Input(Input),
-        /// The index fingertip moves forward by this distance at 150 mm/s or more, until it is half-way back.
+        /// The index fingertip moves forward by this distance, at ten times the distance per second or faster (15 mm: 150 mm/s), until
+        /// it is half-way back.
         Push(PushDistance),
     }
 }
