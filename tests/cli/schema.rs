@@ -99,6 +99,13 @@ fn a_schema_has_units_ranges_and_defaults() {
         serde_json::from_str(&run(["schema", "setup"]).done().out).unwrap();
     let fields = &setup["$defs"]["Setup"]["properties"];
     assert_eq!(fields["stall_timeout_ms"]["default"], 200);
+    for (name, min, max) in [
+        ("stall_timeout_ms", 20, 10_000),
+        ("max_presses_per_second", 1, 1_000),
+    ] {
+        assert_eq!(fields[name]["minimum"], min, "{name}");
+        assert_eq!(fields[name]["maximum"], max, "{name}");
+    }
     assert_eq!(fields["layout"]["default"], "qwerty-flat");
 }
 

@@ -1,5 +1,6 @@
 //! Checks of a setup, and the settings of the stages that follow from it.
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use super::{
@@ -17,6 +18,12 @@ use ademan_core::names::UnknownName;
 use ademan_core::pipeline::{
     MAIN_PROFILE, PipelineSettings, PressRateLimit, SourcePermissions, SourceRole,
 };
+
+/// The valid values of `stall_timeout_ms`.
+pub(super) const STALL_TIMEOUTS_MS: RangeInclusive<u32> = 20..=10_000;
+
+/// The valid values of `max_presses_per_second`.
+pub(super) const PRESSES_PER_SECOND: RangeInclusive<u32> = 1..=1_000;
 
 impl Setup {
     /// Checks all values. Returns the errors.
@@ -180,20 +187,14 @@ impl Setup {
     }
 
     fn check_press_rate(&self) -> Result<(), SetupError> {
-        let Some(other @ (0 | 1001..)) = self.max_presses_per_second else {
-            return Ok(());
-        };
-        let message = format!("`max_presses_per_second` is 1 to 1000, not {other}");
-        Err(SetupError::Value(message))
+        match self.max_presses_per_second {
+            Some(limit) => check_range("max_presses_per_second", limit, PRESSES_PER_SECOND),
+            None => Ok(()),
+        }
     }
 
     fn check_stall_timeout(&self) -> Result<(), SetupError> {
-        let stall_timeout_ms = self.stall_timeout_ms;
-        if (20..=10_000).contains(&stall_timeout_ms) {
-            return Ok(());
-        }
-        let message = format!("`stall_timeout_ms` is 20 to 10000, not {stall_timeout_ms}");
-        Err(SetupError::Value(message))
+        check_range("stall_timeout_ms", self.stall_timeout_ms, STALL_TIMEOUTS_MS)
     }
 
     fn check_desktop_part(&self) -> Result<(), SetupError> {
@@ -236,6 +237,17 @@ impl Setup {
             rate_limit: rate_limit.unwrap_or(defaults.rate_limit),
         }
     }
+}
+
+/// Checks that the whole number in `field` is in its range.
+fn check_range(field: &str, value: u32, range: RangeInclusive<u32>) -> Result<(), SetupError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    let (min, max) = range.into_inner();
+    Err(SetupError::Value(format!(
+        "`{field}` is {min} to {max}, not {value}"
+    )))
 }
 
 /// Checks the settings of a filter in `field`.

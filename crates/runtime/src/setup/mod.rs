@@ -190,9 +190,9 @@ schema! {
         Model(String),
         /// An arm of average proportions.
         Measured {
-            /// Wrist crease to the end of the middle finger, in mm.
+            /// Wrist crease to the end of the middle finger, 100 to 300 mm.
             hand_length_mm: f64,
-            /// Elbow to wrist crease, in mm.
+            /// Elbow to wrist crease, 100 to 500 mm.
             forearm_length_mm: f64,
         },
     }
@@ -212,11 +212,11 @@ schema! {
         RecursiveAverage,
         /// A 1-Euro filter.
         OneEuro {
-            /// Cutoff frequency at rest, in Hz.
+            /// Cutoff frequency at rest, 0.001 to 10000 Hz.
             min_cutoff_hz: f64,
-            /// Increase of the cutoff frequency, in Hz per rad/s.
+            /// Increase of the cutoff frequency, 0 to 10000 Hz per rad/s.
             beta: f64,
-            /// Cutoff frequency of the speed, in Hz.
+            /// Cutoff frequency of the speed, 0.001 to 10000 Hz.
             derivative_cutoff_hz: f64,
         },
     }
@@ -234,11 +234,11 @@ schema! {
         Off,
         /// A 1-Euro filter.
         OneEuro {
-            /// Cutoff frequency at rest, in Hz.
+            /// Cutoff frequency at rest, 0.001 to 10000 Hz.
             min_cutoff_hz: f64,
-            /// Increase of the cutoff frequency, in Hz per m/s.
+            /// Increase of the cutoff frequency, 0 to 10000 Hz per m/s.
             beta: f64,
-            /// Cutoff frequency of the speed, in Hz.
+            /// Cutoff frequency of the speed, 0.001 to 10000 Hz.
             derivative_cutoff_hz: f64,
         },
     }

@@ -1,9 +1,12 @@
 //! The fields of a setup file, and its JSON Schema.
 
+use std::ops::RangeInclusive;
+
 use ademan_core::document::{FieldType, Shape, Table, json_schema, tables_of};
 use serde_json::Value;
 
 use super::Setup;
+use super::check::{PRESSES_PER_SECOND, STALL_TIMEOUTS_MS};
 use crate::capture::SourceUri;
 use crate::share::ShareTarget;
 use crate::text::TextSetup;
@@ -37,6 +40,8 @@ pub fn setup_json_schema() -> Value {
         "Text",
         serde_json::to_value(TextSetup::default()),
     );
+    set_range(&mut schema, "stall_timeout_ms", STALL_TIMEOUTS_MS);
+    set_range(&mut schema, "max_presses_per_second", PRESSES_PER_SECOND);
     schema
 }
 
@@ -51,4 +56,12 @@ fn set_defaults(schema: &mut Value, table: &str, defaults: serde_json::Result<Va
             properties[&name]["default"] = default;
         }
     }
+}
+
+/// Sets the range of a whole number of the setup.
+fn set_range(schema: &mut Value, name: &str, range: RangeInclusive<u32>) {
+    let number = &mut schema["$defs"]["Setup"]["properties"][name];
+    let (min, max) = range.into_inner();
+    number["minimum"] = min.into();
+    number["maximum"] = max.into();
 }
