@@ -36,7 +36,7 @@ schema! {
         /// Length of a unit of the file.
         #[serde(default)]
         unit_mm: MeshUnit,
-        /// Movements from value 0 to value 1, one after the other.
+        /// Up to 4 movements from value 0 to value 1, one after the other.
         #[serde(default)]
         moves: Vec<MoveSchema>,
     }

@@ -18,7 +18,7 @@ schema! {
     #[derive(Clone, Copy, Debug, Deserialize)]
     #[serde(rename = "Signal", deny_unknown_fields)]
     pub(super) struct SignalSchema<'a> {
-        /// Address of its OSC messages: `"/mixer/1"`.
+        /// Address of its OSC messages, at most 100 characters: `"/mixer/1"`.
         #[serde(borrow, default)]
         osc: Option<Spanned<'a>>,
         /// Numbers of its OSC messages for the values 0 and 1. Default: `(0, 1)`.

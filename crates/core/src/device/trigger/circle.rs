@@ -29,7 +29,8 @@ const MAX_TURN_TIME: f32 = 2.5;
 /// The smallest mean radius, in metres. The path of a fingertip from key to key reaches 30 mm.
 const MIN_RADIUS: f32 = 0.035;
 
-/// The least area of a circle as a fraction of a round one with the same length of way. An ellipse three times as long as wide has 0.6.
+/// The least area of a circle as a fraction of a round one with the same length of way. An ellipse 3.4 times as long as
+/// wide has 0.6.
 const MIN_ROUNDNESS: f32 = 0.6;
 
 named_enum! {

@@ -73,7 +73,7 @@ schema! {
         /// Action that is tapped.
         #[serde(borrow, default)]
         tap: Option<Action<'a>>,
-        /// Names of modifier keys that are held during the tap, separated by blanks.
+        /// Names of up to 4 modifier keys that are held during the tap, separated by blanks.
         #[serde(borrow, default)]
         with: Option<Spanned<'a>>,
         /// 2 to 8 sectors of a nested menu.
@@ -96,7 +96,7 @@ schema! {
         /// Action that is tapped.
         #[serde(borrow)]
         tap: Action<'a>,
-        /// Names of modifier keys that are held during the tap, separated by blanks.
+        /// Names of up to 4 modifier keys that are held during the tap, separated by blanks.
         #[serde(borrow, default)]
         with: Option<Spanned<'a>>,
     }
