@@ -38,7 +38,8 @@ const MOST_SPREADS: f64 = 4.0;
 /// The depth of a tap that is too shallow, as a part of the way to the front.
 const SHALLOW: f32 = 0.5;
 
-/// Ranges of joints that count as comfortable, in degrees: the wrist as in RULA (McAtamney & Corlett 1993), the fingers ?.
+/// Ranges of joints that count as comfortable, in degrees: the flexion of the wrist as in RULA (McAtamney &
+/// Corlett 1993), the others ?.
 const COMFORTABLE: [(Dof, f64, f64); 7] = [
     (Dof::WristFlexion, -15.0, 15.0),
     (Dof::WristDeviation, -10.0, 10.0),
