@@ -43,10 +43,10 @@ pub struct ConditionArgs {
     /// what the program assumes are drawn
     #[arg(long, value_name = "FILE", add = complete::person())]
     person: Option<String>,
-    /// Number of people; of repetitions with --person, 1 by default
+    /// Number of people, 20 by default; with --person of repetitions, 1 by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PEOPLE)))]
     people: Option<u32>,
-    /// Sensor of the hands: ideal, camera or glove
+    /// Sensor of the hands: ideal, camera, glove or measured-glove
     #[arg(long, value_name = "SOURCE", default_value = "ideal", value_parser = one_of::<SourceKind>(SourceKind::NAMES))]
     source: SourceKind,
     /// Quality of the touches instead of the people's own: T0 to T4 are 3, 5, 6, 8 and 10 mm of scatter, Toff an offset of 8 mm
