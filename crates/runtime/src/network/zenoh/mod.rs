@@ -47,17 +47,17 @@ pub enum ZenohError {
     },
 }
 
-/// Checks a key: names joined by `/`, without wildcards. A key carries one hand; with two publishers it would jump.
+/// Checks a key: names joined by `/`, without wildcards, at most [`MAX_KEY_BYTES`]. A key carries one hand; with two publishers it
+/// would jump.
 pub fn check_key(key: &str) -> Result<(), String> {
     let is_name = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_graphic());
     let is_key = key.len() <= MAX_KEY_BYTES && key.split('/').all(is_name);
     if is_key && !key.contains(['*', '$', '?', '#', '&', '@']) {
         Ok(())
     } else {
-        Err(
-            "a key consists of names joined by `/`, without wildcards, such as `lab/desk-3/right`"
-                .into(),
-        )
+        Err(format!(
+            "a key consists of names joined by `/`, without wildcards, of at most {MAX_KEY_BYTES} bytes, such as `lab/desk-3/right`"
+        ))
     }
 }
 
@@ -97,7 +97,8 @@ mod tests {
             "@/router",
             &"a".repeat(129),
         ] {
-            assert!(check_key(wrong).is_err(), "{wrong}");
+            let error = check_key(wrong).unwrap_err();
+            assert!(error.contains("at most 128 bytes"), "{wrong}: {error}");
         }
     }
 
