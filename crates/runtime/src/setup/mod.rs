@@ -109,7 +109,8 @@ schema! {
         pub position_smoothing: PositionSmoothingSetup,
         /// The range of a finger sensor may widen while the glove is worn, by at most 15 % at each end of the calibrated one.
         pub learn_ranges: bool,
-        /// Time without readings after which everything is released, 20 to 10000 ms, and at least three packet periods of the source.
+        /// Time without readings after which everything is released, 20 to 10000 ms, and at least three packet periods of the source
+        /// (2 s at most).
         pub stall_timeout_ms: u32,
         /// Output is armed by the first reading. Otherwise it is armed after the hand has been clear of every key.
         pub arm_immediately: bool,
