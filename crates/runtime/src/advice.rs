@@ -171,15 +171,24 @@ pub fn no_display(display: Option<&str>) -> Advice {
     )
 }
 
-/// Returns the advice for an X server that refuses the connection, for the reason that it states.
-pub fn refused_by_display(reason: &str) -> Advice {
-    Advice::new(
-        format!(
-            "the X server refuses the connection: {}",
-            escape(reason.trim())
-        ),
-        "start this as the user of that graphical session, with its XAUTHORITY",
-    )
+/// Returns the advice for an X server that refuses the connection; `None` for one that does not answer.
+#[cfg(target_os = "linux")]
+pub(crate) fn refused_by_display(error: &x11rb::errors::ConnectError) -> Option<Advice> {
+    use x11rb::errors::ConnectError::{SetupAuthenticate, SetupFailed};
+    let bytes = match error {
+        SetupFailed(refusal) => &refusal.reason,
+        SetupAuthenticate(refusal) => &refusal.reason,
+        _ => return None,
+    };
+    let text = String::from_utf8_lossy(bytes);
+    let reason = text.trim();
+    let next_step = if reason.starts_with("Maximum number of clients") {
+        "close a program that uses it"
+    } else {
+        "start this as the user of that graphical session, with its XAUTHORITY"
+    };
+    let refusal = format!("the X server refuses the connection: {}", escape(reason));
+    Some(Advice::new(refusal, next_step))
 }
 
 /// Returns the advice for a missing X server that would tell which application has the focus; `display` is the value of `DISPLAY`.

@@ -29,9 +29,10 @@ pub struct XServer {
 impl XServer {
     /// Connects to the server that `DISPLAY` names.
     pub fn connect() -> Result<Self, String> {
-        let (connection, screen) = x11rb::connect(None).map_err(|_| {
-            let display = env::var("DISPLAY").ok();
-            advice::no_focus(display.as_deref()).to_string()
+        let (connection, screen) = x11rb::connect(None).map_err(|error| {
+            let refusal = advice::refused_by_display(&error);
+            let no_focus = || advice::no_focus(env::var("DISPLAY").ok().as_deref());
+            refusal.unwrap_or_else(no_focus).to_string()
         })?;
         let root = connection.setup().roots[screen].root;
         let server = Self {

@@ -12,7 +12,7 @@ mod keymap;
 use std::ops::RangeInclusive;
 
 use x11rb::connection::Connection;
-use x11rb::errors::{ConnectError, ReplyError};
+use x11rb::errors::ReplyError;
 use x11rb::protocol::xproto::{
     BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ConnectionExt as _, KEY_PRESS_EVENT,
     KEY_RELEASE_EVENT, KeyButMask, MOTION_NOTIFY_EVENT,
@@ -64,7 +64,10 @@ pub struct X11Injector {
 
 /// Connects to the X server of this name, or to the server in `DISPLAY`.
 pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector>, String> {
-    let (server, screen) = x11rb::connect(name).map_err(|error| connect_message(name, &error))?;
+    let (server, screen) = x11rb::connect(name).map_err(|error| {
+        let refusal = advice::refused_by_display(&error);
+        refusal.map_or_else(|| system::no_display(name), |advice| advice.to_string())
+    })?;
     let (major, minor) = XTEST_VERSION;
     let version = server.xtest_get_version(major, minor);
     version
@@ -366,16 +369,6 @@ fn inputs(burst: &[Stroke], codes: &[u8]) -> Result<Vec<(u8, u8)>, String> {
     Ok(inputs)
 }
 
-/// Returns the message for a server that refuses the connection, or does not answer.
-fn connect_message(name: Option<&str>, error: &ConnectError) -> String {
-    let reason = match error {
-        ConnectError::SetupFailed(refusal) => &refusal.reason,
-        ConnectError::SetupAuthenticate(refusal) => &refusal.reason,
-        _ => return system::no_display(name),
-    };
-    advice::refused_by_display(&String::from_utf8_lossy(reason)).to_string()
-}
-
 fn message(error: ReplyError) -> String {
     match error {
         ReplyError::ConnectionError(error) => {
@@ -392,20 +385,16 @@ mod tests {
     use std::net::TcpListener;
     use std::thread;
 
-    #[test]
-    fn a_server_that_refuses_the_connection_is_not_missing() {
+    /// Returns the error of a connection to a server that refuses it for this reason.
+    fn refused_connection(reason: &str) -> String {
         let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
         // Display 0 is port 6000.
         let display = listener.local_addr().unwrap().port() - 6000;
-        let reason = b"No authorization\n...";
-        let words = (reason.len() / 4) as u16;
-        let lengths = [11_u16, 0, words].map(u16::to_ne_bytes).concat();
-        let refusal = [
-            &[0, reason.len() as u8][..],
-            lengths.as_slice(),
-            reason.as_slice(),
-        ]
-        .concat();
+        let words = reason.len().div_ceil(4);
+        let mut refusal = vec![0, reason.len() as u8];
+        refusal.extend([11, 0, words as u16].map(u16::to_ne_bytes).concat());
+        refusal.extend(reason.as_bytes());
+        refusal.resize(8 + words * 4, 0);
         let server = thread::spawn(move || {
             let (mut client, _) = listener.accept().unwrap();
             client.read_exact(&mut [0; 12]).unwrap();
@@ -413,8 +402,17 @@ mod tests {
         });
         let error = connect(Some(&format!("127.0.0.1:{display}"))).err();
         let error = error.expect("a refusal");
-        let expected = "the X server refuses the connection: No authorization\\n...; start this as";
-        assert!(error.starts_with(expected), "{error}");
         server.join().unwrap();
+        error
+    }
+
+    #[test]
+    fn a_server_that_refuses_the_connection_is_not_missing() {
+        let unauthorized = refused_connection("No authorization\n...");
+        let expected = "the X server refuses the connection: No authorization\\n...; start this as";
+        assert!(unauthorized.starts_with(expected), "{unauthorized}");
+        let full = refused_connection("Maximum number of clients reached");
+        let clients = "the X server refuses the connection: Maximum number of clients reached; close a program that uses it";
+        assert_eq!(full, clients);
     }
 }
