@@ -150,8 +150,8 @@ fn a_queue_that_is_closed_without_an_end_of_the_notes_ends_them_in_the_thread() 
     assert!(messages.ends_with(&end), "{messages:?}");
 }
 
-#[test]
-fn a_write_that_fails_leaves_no_note() {
+/// A sink whose thread cannot write the end of middle C once, and the messages that it writes.
+fn failing_sink() -> (Midi, Written) {
     let written = Written::default();
     let log = Arc::clone(&written);
     let mut failing = Some([0x80_u8, 60, 64]);
@@ -164,6 +164,12 @@ fn a_write_that_fails_leaves_no_note() {
     };
     let mut sink = Midi::start(Box::new(writer)).unwrap();
     sink.set_signals(&signals());
+    (sink, written)
+}
+
+#[test]
+fn a_write_that_fails_leaves_no_note() {
+    let (mut sink, written) = failing_sink();
     for kind in [Velocity(C4, 1.0), Velocity(DRUM, 1.0), Velocity(C4, 0.0)] {
         sink.send(&[event(1, kind)]).unwrap();
     }
@@ -177,6 +183,20 @@ fn a_write_that_fails_leaves_no_note() {
         [0x89, 36, 64],
         [0xb9, 123, 0],
     ];
+    assert_eq!(without_sensing(&written), expected);
+}
+
+#[test]
+fn a_write_that_fails_while_the_loop_hangs_leaves_no_note() {
+    let (mut sink, written) = failing_sink();
+    sink.send(&[event(1, Velocity(C4, 1.0))]).unwrap();
+    let end = vec![0xb0, 123, 0];
+    // Two periods without a step.
+    wait_until("the end of all notes", || {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        written.lock().unwrap().contains(&end)
+    });
+    let expected: [[u8; 3]; 3] = [[0x90, 60, 127], [0x80, 60, 64], [0xb0, 123, 0]];
     assert_eq!(without_sensing(&written), expected);
 }
 

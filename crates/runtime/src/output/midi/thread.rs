@@ -145,13 +145,14 @@ impl Port {
     /// Ends the notes that sound: each of them, and all of their channels for receivers that have missed the beginning.
     fn end_notes(&mut self) -> io::Result<()> {
         for channel in 0..CHANNELS {
-            let notes = std::mem::take(&mut self.notes[channel]);
+            let notes = self.notes[channel];
             for note in (0..128).filter(|note| notes & (1 << note) != 0) {
                 (self.writer)(&[0x80 | channel as u8, note, 64])?;
             }
             if notes != 0 {
                 (self.writer)(&[CONTROL | channel as u8, ALL_NOTES_OFF, 0])?;
             }
+            self.notes[channel] = 0;
         }
         Ok(())
     }
