@@ -173,7 +173,7 @@ fn a_source_of_another_machine_that_types_without_a_credential_is_reported() {
     command.args(["--control", "off", "--output", "transcript"]);
     let (_program, _, messages) = start_with_lines(&mut command);
     let next = || messages.recv_timeout(TIMEOUT).expect("a message");
-    let words = "presses keys and has neither password nor encryption: whoever answers there, or is on the way, can type here";
+    let words = "presses keys and has neither password nor encryption: anyone who answers there, or can change what the network carries, can type here; use `tcp+tls:`, or a network of your own";
     let message = std::iter::repeat_with(next).find(|line| line.ends_with(words));
     assert!(message.is_some_and(|line| line.starts_with(source)));
 }

@@ -141,7 +141,8 @@ impl fmt::Display for Notice {
             ),
             Self::Unprotected(source) => write!(
                 f,
-                "{} presses keys and has neither password nor encryption: whoever answers there, or is on the way, can type here",
+                "{} presses keys and has neither password nor encryption: anyone who answers there, or can change what the network \
+                 carries, can type here; use `tcp+tls:`, or a network of your own",
                 escape(&source.to_string())
             ),
             Self::WaitingForSource(reason) => {
