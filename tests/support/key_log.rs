@@ -59,8 +59,19 @@ impl KeyLog {
         Self::on_display(server.display())
     }
 
+    /// Starts to record while these keys are pressed. The next event of each is a repeat or a release.
+    pub fn start_while_pressed(server: &XServer, keys: &[u16]) -> Self {
+        let pressed = keys.iter().map(|&code| Input::Key(code)).collect();
+        Self::record(server.display(), pressed)
+    }
+
     /// Starts to record on the server of this name.
     pub fn on_display(display: &str) -> Self {
+        Self::record(display, BTreeSet::new())
+    }
+
+    /// Starts to record on a server where these keys and buttons are pressed.
+    fn record(display: &str, mut pressed: BTreeSet<Input>) -> Self {
         let (connection, _) = x11rb::connect(Some(display)).expect("the server answers");
         let context = create_context(&connection);
         let events = Arc::new(Mutex::new(Vec::new()));
@@ -71,7 +82,6 @@ impl KeyLog {
         thread::spawn(move || {
             let replies = connection.record_enable_context(context);
             let mut clock = None;
-            let mut pressed = BTreeSet::new();
             for reply in replies.expect("the server runs").map_while(Result::ok) {
                 if reply.category == START_OF_DATA {
                     clock = Some((Instant::now(), reply.server_time));
@@ -106,6 +116,11 @@ impl KeyLog {
         let events = self.events.lock().expect("no panic");
         let after = events.iter().skip(skip);
         after.filter(|event| event.action == Action::Press).count()
+    }
+
+    /// Checks that there was no press so far.
+    pub fn assert_no_press(&self) {
+        assert_eq!(self.presses_after(0), 0, "{:?}", self.events());
     }
 
     /// Waits for a press after the first `skip` events. Returns `false` after the time-out.

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{Framing, encode};
@@ -57,20 +58,33 @@ impl Typing {
         })
     }
 
+    /// Starts a log while the keys are pressed. It has no press as long as the finger does not leave its key.
+    pub fn log(&self) -> KeyLog {
+        KeyLog::start_while_pressed(&self.server, &held_keys())
+    }
+
     /// Ends the run with these signals and returns its exit code.
     fn end_by(mut self, signals: &[&str]) -> Option<i32> {
+        let log = self.log();
         let start = Instant::now();
         self.program.signal(signals);
         wait_for_release(&self.server, start, &signals.join(" "));
         let status = self.program.wait_for_exit();
         assert_eq!(self.server.pressed_keys(), [0; 0]);
+        log.assert_no_press();
         status.code()
     }
 
-    /// Checks that all keys are released and that the program waits for the glove.
-    fn stalls(mut self, start: Instant, what: &str) {
-        wait_for_release(&self.server, start, what);
+    /// Checks that a fault of the glove releases all keys and presses none, and that the program reports it and waits for the glove.
+    fn check_stall(mut self, fault: fn(&mut Glove), message: &str) {
+        let log = self.log();
+        let start = Instant::now();
+        fault(&mut self.glove);
+        wait_for_release(&self.server, start, message);
+        self.program.wait_for_line(message, 1);
         self.program.wait_for_line("stalled", 1);
+        // Noise goes on.
+        thread::sleep(Duration::from_millis(500));
         assert!(
             self.program.is_running(),
             "{:#?}",
@@ -79,6 +93,7 @@ impl Typing {
         self.program.signal(&["TERM"]);
         assert_eq!(self.program.wait_for_exit().code(), Some(0));
         assert_eq!(self.server.pressed_keys(), [0; 0]);
+        log.assert_no_press();
     }
 }
 
@@ -170,32 +185,23 @@ fn all_keys_are_released_after_two_signals_at_once() {
 
 #[test]
 fn all_keys_are_released_after_the_cable_is_pulled() {
-    let Some(mut typing) = Typing::start() else {
-        return;
-    };
-    let start = Instant::now();
-    typing.glove.unplug();
-    typing.stalls(start, "unplugged");
+    if let Some(typing) = Typing::start() {
+        typing.check_stall(Glove::unplug, "; reconnecting");
+    }
 }
 
 #[test]
 fn all_keys_are_released_after_the_glove_stops_sending() {
-    let Some(typing) = Typing::start() else {
-        return;
-    };
-    let start = Instant::now();
-    typing.glove.stop_sending();
-    typing.stalls(start, "silent");
+    if let Some(typing) = Typing::start() {
+        typing.check_stall(|glove| glove.stop_sending(), "stalled: no readings");
+    }
 }
 
 #[test]
 fn all_keys_are_released_when_the_glove_sends_noise() {
-    let Some(typing) = Typing::start() else {
-        return;
-    };
-    let start = Instant::now();
-    typing.glove.send_noise();
-    typing.stalls(start, "nonsense");
+    if let Some(typing) = Typing::start() {
+        typing.check_stall(|glove| glove.send_noise(), "stalled");
+    }
 }
 
 #[test]

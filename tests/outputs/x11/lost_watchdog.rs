@@ -25,6 +25,7 @@ fn a_killed_watchdog_is_restarted_once_and_the_run_pauses() {
         return;
     };
     let first = typing.watchdog();
+    let log = typing.log();
     let start = Instant::now();
     signal("KILL", first);
     wait_for_release(&typing.server, start, "watchdog killed");
@@ -49,6 +50,7 @@ fn a_killed_watchdog_is_restarted_once_and_the_run_pauses() {
         .any(|line| line.contains(again) || line.contains(early));
     assert!(is_reported, "{lines:#?}");
     assert_eq!(typing.server.pressed_keys(), [0; 0]);
+    log.assert_no_press();
 }
 
 #[test]
@@ -57,6 +59,7 @@ fn a_stopped_watchdog_is_noticed_and_replaced() {
         return;
     };
     let first = typing.watchdog();
+    let log = typing.log();
     let start = Instant::now();
     signal("STOP", first);
     let is_released = || typing.server.pressed_keys().is_empty();
@@ -70,6 +73,8 @@ fn a_stopped_watchdog_is_noticed_and_replaced() {
     assert_ne!(typing.watchdog(), first);
     typing.program.signal(&["TERM"]);
     assert_eq!(typing.program.wait_for_exit().code(), Some(0));
+    assert_eq!(typing.server.pressed_keys(), [0; 0]);
+    log.assert_no_press();
 }
 
 /// Returns the command of a copy of the program.

@@ -54,6 +54,7 @@ impl Typing {
 
     /// Ends the program by a signal that it cannot handle.
     fn check_release_after(mut self, signal: &str) {
+        let log = self.log();
         let start = Instant::now();
         self.program.signal(&[signal]);
         wait_for_release(&self.server, start, signal);
@@ -63,6 +64,8 @@ impl Typing {
             "killed by a signal"
         );
         self.program.wait_for_line("released its keys (2)", 1);
+        assert_eq!(self.server.pressed_keys(), [0; 0]);
+        log.assert_no_press();
     }
 }
 
@@ -202,6 +205,7 @@ fn ctrl_z_releases_keys_before_the_stop_and_the_hand_must_leave_them_after_it() 
     };
     // A busy machine may have missed heartbeats before.
     let missed = typing.program.count_lines("does not respond");
+    let log = typing.log();
     let start = Instant::now();
     typing.program.signal(&["TSTP"]);
     wait_for_release(&typing.server, start, "TSTP");
@@ -214,6 +218,9 @@ fn ctrl_z_releases_keys_before_the_stop_and_the_hand_must_leave_them_after_it() 
     assert!(wait_for(is_stopped), "the program does not stop");
     assert_eq!(typing.program.count_lines("does not respond"), missed);
     typing.program.signal(&["CONT"]);
+    // The finger on the key keeps the run from being armed.
+    std::thread::sleep(Duration::from_millis(700));
+    log.assert_no_press();
     typing.glove.play(&Press::for_text("H").lift);
     typing.program.wait_for_line("armed", 2);
     typing.program.signal(&["TERM"]);
@@ -225,14 +232,19 @@ fn sigusr1_pauses_until_a_resume() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
+    let log = typing.log();
     let start = Instant::now();
     typing.program.signal(&["USR1"]);
     wait_for_release(&typing.server, start, "USR1");
     typing.program.wait_for_line("paused by a signal", 1);
     // A busy machine may have stalled before, and armed again.
     let armed = typing.program.count_lines("armed");
-    typing.glove.play(&Press::for_text("H").lift);
+    let press = Press::for_text("H");
+    typing.glove.play_to_end(&press.lift);
     std::thread::sleep(Duration::from_millis(800));
+    typing.glove.play_to_end(&press.approach);
+    std::thread::sleep(Duration::from_millis(200));
+    log.assert_no_press();
     assert_eq!(typing.program.count_lines("armed"), armed);
     typing.program.signal(&["TERM"]);
     assert_eq!(typing.program.wait_for_exit().code(), Some(0));
@@ -299,6 +311,7 @@ fn sigusr1_to_all_processes_is_an_emergency_stop_as_often_as_it_is_sent() {
         return;
     };
     let watchdog = typing.watchdog();
+    let log = typing.log();
     let start = Instant::now();
     for _ in 0..3 {
         signal("USR1", typing.program.id());
@@ -310,6 +323,7 @@ fn sigusr1_to_all_processes_is_an_emergency_stop_as_often_as_it_is_sent() {
     assert!(is_alive(watchdog) && typing.program.is_running());
     typing.program.signal(&["TERM"]);
     assert_eq!(typing.program.wait_for_exit().code(), Some(0));
+    log.assert_no_press();
 }
 
 #[test]
