@@ -33,6 +33,7 @@ pub const FAULTS: &[Row] = &[
         ("tests/outputs/x11/ends.rs", "all_keys_are_released_after_the_cable_is_pulled"),
         ("tests/outputs/x11/replug.rs", "after_a_reconnection_a_finger_on_a_key_presses_nothing_until_the_hand_is_clear_of_all_keys"),
         ("tests/capture/serial.rs", "a_loss_is_reported_right_after_the_last_reading"),
+        ("tests/capture/lost_source.rs", "a_key_is_released_at_a_loss_and_not_pressed_until_the_finger_has_left_it"),
         ("tests/outputs/vm/typing.rs", "pulling the cable releases all keys"),
     ])),
     fault(5, "unplugged, visible only as end of stream", Tests(&[

@@ -17,6 +17,9 @@ use crate::support::press::{Press, readings};
 /// The gap in the recording.
 const GAP: Duration = Duration::from_secs(2);
 
+/// The stall timeout, which is shorter than the gap.
+const STALL_TIMEOUT_MS: u32 = 200;
+
 /// Longest wait for the release in the gap.
 const TIMEOUT: Duration = Duration::from_secs(60);
 
@@ -130,15 +133,19 @@ impl Sink for NotingSink {
 
 /// Plays the recording. Returns its events and the number of stalls.
 fn play(is_paced: bool) -> (Vec<OutputEvent>, u64) {
-    play_source(|is_released| GappedReplay::new(is_paced, is_released))
+    play_source(STALL_TIMEOUT_MS, |is_released| {
+        GappedReplay::new(is_paced, is_released)
+    })
 }
 
-/// Plays a source that is told of the release.
-fn play_source<S: Source + 'static>(
+/// Plays a source that is told of the release. Returns its events and the number of stalls.
+pub fn play_source<S: Source + 'static>(
+    stall_timeout_ms: u32,
     source: impl FnOnce(&Arc<AtomicBool>) -> S,
 ) -> (Vec<OutputEvent>, u64) {
     let setup = Setup {
         arm_immediately: true,
+        stall_timeout_ms,
         ..Setup::default()
     };
     let setup = setup.load_files().expect("the default setup");
@@ -176,8 +183,9 @@ fn a_key_is_released_in_the_gap_of_a_paced_replay_with_the_time_of_the_stall() {
 
 #[test]
 fn a_key_is_released_while_the_disk_of_a_recording_hangs() {
-    let (events, stalls) =
-        play_source(|is_released| HangingReplay(GappedReplay::new(false, is_released)));
+    let (events, stalls) = play_source(STALL_TIMEOUT_MS, |is_released| {
+        HangingReplay(GappedReplay::new(false, is_released))
+    });
     assert_eq!(stalls, 1);
     let [down, up] = events[..] else {
         panic!("{events:?}");

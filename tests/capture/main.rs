@@ -12,6 +12,7 @@ mod file;
 mod gap;
 mod haptics;
 mod late_readings;
+mod lost_source;
 #[cfg(unix)]
 mod lucidgloves;
 #[cfg(unix)]
