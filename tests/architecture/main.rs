@@ -143,12 +143,20 @@ fn no_file_of_a_user_reads_the_environment() {
     ]);
 }
 
-/// A lint of the workspace refuses unsafe code that no attribute permits.
+/// A lint of the workspace refuses unsafe code that no attribute permits, in each package that adopts the lints.
 #[test]
 #[rustfmt::skip]
 fn the_program_contains_no_unsafe_code_but_what_is_listed() {
     let manifest = fs::read_to_string("Cargo.toml").expect("the workspace");
     assert!(manifest.contains("[workspace.lints.rust]\nunsafe_code = \"deny\""));
+    let crates = fs::read_dir("crates").expect("the crates").flatten();
+    let crates = crates.map(|entry| entry.path().join("Cargo.toml"));
+    let packages: Vec<_> = crates.chain(["Cargo.toml".into(), "layouts/Cargo.toml".into()]).collect();
+    assert!(packages.len() > 8, "{packages:?}");
+    for package in packages {
+        let text = fs::read_to_string(&package).expect("a manifest");
+        assert!(text.contains("\n[lints]\nworkspace = true\n"), "{package:?}");
+    }
     assert_eq!(places("(unsafe_code"), [
         // The loader of OpenXR, a library of another program, and a session that could have graphics.
         OPENXR,

@@ -19,6 +19,7 @@ use serde_json::Value;
 use crate::support::binary::ademan;
 use crate::support::free_address::free_address;
 use crate::support::process::{Process, signal};
+use crate::support::run::line_receiver;
 use crate::support::source::text_lines;
 
 /// Longest wait on a busy machine.
@@ -100,6 +101,36 @@ fn a_datagram_of_a_second_sender_is_in_the_state_while_the_first_is_silent_and_i
     let mut stderr = run.0.stderr.take().expect("it is piped");
     stderr.read_to_string(&mut messages).expect("UTF-8");
     assert!(messages.contains("2 unknown-sender"), "{messages}");
+}
+
+#[test]
+fn keys_that_a_person_has_allowed_for_one_sender_are_forbidden_for_the_next_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (address, control) = (free_address(), folder.path().join("c.sock"));
+    let [glove, other] = [0, 1].map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"));
+    let pose = opentrack::encode(&[0.0; 6]);
+    let mut run = start(address, &control);
+    let messages = line_receiver(run.0.stderr.take().expect("it is piped"));
+    let send = |socket: &UdpSocket| _ = socket.send_to(&pose, address);
+    wait_for(
+        &control,
+        || send(&glove),
+        |stats| stats["received"].as_u64() > Some(0),
+    );
+    let mut client = Client::connect(&control).expect("the program listens");
+    let reply = client.request(r#"{"command":"allow-keys"}"#);
+    assert_eq!(reply.expect("a reply"), r#"{"ok":true}"#);
+    // The other sender follows once the first one has been silent.
+    let start = Instant::now();
+    loop {
+        send(&other);
+        match messages.recv_timeout(Duration::from_millis(5)) {
+            Ok(line) if line.contains("another sender has followed") => break,
+            Ok(_) | Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => panic!("the program ended"),
+        }
+        assert!(start.elapsed() < TIMEOUT, "keys are still allowed");
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Stdio;
 
 use crate::support::binary::ademan;
+use crate::support::key_log::KeyLog;
 use crate::support::x11::{TerminalWindow, XServer};
 
 /// Number of attempts: a busy machine may drop keystrokes, which the program reports.
@@ -36,6 +37,7 @@ fn a_replay_presses_nothing_unless_the_output_desktop_is_named() {
         let Some(terminal) = TerminalWindow::start(&server) else {
             return;
         };
+        let log = KeyLog::start(&server);
         let [written, _] = replay(&path, &[], &server);
         assert!(written.contains("down H"), "{written}");
         let [_, messages] = replay(&path, &["--output", "desktop"], &server);
@@ -43,6 +45,7 @@ fn a_replay_presses_nothing_unless_the_output_desktop_is_named() {
         if !messages.contains("dropped") {
             // The second replay types, the first one does not.
             assert_eq!(terminal.typed("hello"), "hello");
+            assert!(log.presses_after(0) <= "hello".len(), "{:?}", log.events());
             return;
         }
     }

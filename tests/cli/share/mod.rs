@@ -10,6 +10,7 @@ mod json;
 mod page;
 mod websocket;
 
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Read};
 use std::net::TcpStream;
 use std::process::Stdio;
@@ -91,7 +92,9 @@ fn another_program_types_what_the_first_one_shares() {
 
 #[test]
 fn poses_and_angles_are_shared_as_lines_of_json() {
-    for (format, field) in [("pose", "positions"), ("angles", "angles")] {
+    let pose = ["time_us", "side", "positions", "orientations"];
+    let angles = ["time_us", "side", "angles"];
+    for (format, fields) in [("pose", &pose[..]), ("angles", &angles[..])] {
         let (_typist, address) = typist(&"hola ".repeat(100), format);
         let client = TcpStream::connect(address).expect("it listens");
         let lines = BufReader::new(client).lines().map_while(Result::ok);
@@ -100,7 +103,13 @@ fn poses_and_angles_are_shared_as_lines_of_json() {
             .map(|line| serde_json::from_str(&line).expect("JSON"))
             .collect();
         assert_eq!(lines.len(), 20);
-        assert!(lines.iter().all(|line| line[field].is_object()));
+        for line in &lines {
+            let object = line.as_object().expect("an object");
+            let names: BTreeSet<_> = object.keys().map(String::as_str).collect();
+            let expected: BTreeSet<_> = fields.iter().copied().collect();
+            assert_eq!(names, expected, "no line names a key that is pressed");
+            assert!(line[fields[2]].is_object(), "{line}");
+        }
         let times: Vec<_> = lines.iter().map(|line| line["time_us"].as_u64()).collect();
         assert!(times.is_sorted(), "{times:?}");
     }
