@@ -317,6 +317,22 @@ pub const REQUIREMENTS: &[Row] = &[
                 "tests/pipeline/arming.rs",
                 "a_hand_on_a_key_at_the_start_presses_nothing",
             ),
+            (
+                "tests/cli/roles.rs",
+                "a_source_on_the_network_types_with_a_role_that_allows_it",
+            ),
+            (
+                "tests/capture/network_poses.rs",
+                "datagrams_of_another_sender_are_dropped_until_the_first_is_silent",
+            ),
+            (
+                "tests/cli/senders.rs",
+                "keys_that_a_person_has_allowed_for_one_sender_are_forbidden_for_the_next_one",
+            ),
+            (
+                "crates/runtime/src/session/event_loop/consent.rs",
+                "keys_are_allowed_for_the_present_sender_and_not_for_the_next_one",
+            ),
         ]),
     ),
     requirement(

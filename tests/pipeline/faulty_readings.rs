@@ -1,14 +1,21 @@
 //! Readings that do not show the hand: nothing unintended is typed, and no key stays pressed.
 
+use ademan::capture::Reading;
 use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
+use ademan::capture::protocol::text_line::{self, TextLineDecoder};
+use ademan::capture::protocol::{Decoder, InvalidPacket};
+use ademan::device::{EventKind, Events};
 use ademan::estimate::{
     AffineMap, ChannelMap, ChannelRow, Estimator, EstimatorSettings, Rejection, Smoothing,
 };
 use ademan::hand::{Dof, Finger, FingerSet, Side};
 use ademan::layout::Layout;
 use ademan::setup::LoadedSetup;
+use ademan::time::Timestamp;
 
+use crate::support::checked::CheckedPipeline;
 use crate::support::press::{self, Posture, Press, glove_format, typing};
+use crate::support::source::typing_estimates;
 use crate::support::wearer::{GloveWearer, default_setup, packets, pipeline_with};
 
 /// A channel of the shipped glove.
@@ -61,6 +68,61 @@ fn a_stream_that_starts_inside_a_packet_types_the_same() {
         // The last packet is complete with the marks of the next one.
         assert_eq!(wearer.readings() as usize, whole.len() - 2, "{missing}");
     }
+}
+
+/// Returns the lines of a hand in the order in which a network delivers them: it loses every third, doubles others, and lets up to ten
+/// lines overtake each.
+fn delivered(lines: &[Vec<u8>], random: &mut fastrand::Rng) -> Vec<u8> {
+    let mut arrivals = Vec::new();
+    for (index, line) in lines.iter().enumerate() {
+        if random.usize(..3) > 0 {
+            for _ in 0..random.usize(1..=2) {
+                arrivals.push((index + random.usize(..=10), line));
+            }
+        }
+    }
+    arrivals.sort_by_key(|(arrival, _)| *arrival);
+    let in_order = arrivals.into_iter().map(|(_, line)| line.as_slice());
+    in_order.collect::<Vec<_>>().concat()
+}
+
+#[test]
+fn lines_that_a_network_loses_doubles_and_reorders_add_no_press() {
+    let (estimates, _) = typing_estimates("hello");
+    let still = std::iter::repeat_n(&estimates[0], 100);
+    let mut lines = Vec::new();
+    for (index, estimate) in (1..).zip(still.chain(&estimates)) {
+        let mut line = Vec::new();
+        let time = Timestamp(index * 5_729);
+        text_line::write(&estimate.angles, Some(time), &mut line);
+        lines.push(line);
+    }
+    let mut random = fastrand::Rng::with_seed(20);
+    let mut typed = 0;
+    for round in 0..20 {
+        let mut decoder = TextLineDecoder::new();
+        let mut readings = Vec::new();
+        decoder.push(&delivered(&lines, &mut random), &mut |packet| {
+            let time = packet.time.expect("a line with a time");
+            readings.push(Reading::new(time, None, packet.sample));
+        });
+        let out_of_order = decoder.stats().invalid.get(InvalidPacket::OutOfOrder);
+        assert!(out_of_order > 100, "{round}: {out_of_order}");
+        let mut pipeline = CheckedPipeline::new(&default_setup());
+        let mut rest = "HELLO".chars();
+        for reading in &readings {
+            let mut events = Events::new();
+            let _ = pipeline.step(reading, &mut events);
+            for event in &events {
+                if let EventKind::KeyDown(key) = event.kind {
+                    let is_part = rest.any(|letter| key.to_string() == letter.to_string());
+                    assert!(is_part, "{round}: {key}");
+                    typed += 1;
+                }
+            }
+        }
+    }
+    assert!(typed > 50, "{typed} of 100 keys");
 }
 
 #[test]
