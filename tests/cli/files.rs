@@ -57,6 +57,8 @@ fn a_truncated_recording_is_played_up_to_the_cut_and_fails() {
     // Keys that are pressed at the cut are released there.
     let mut rest = ended.out.lines().skip(same);
     assert!(rest.all(|line| line.contains(" up ")), "{}", ended.out);
+    let count = |word: &str| ended.out.matches(word).count();
+    assert_eq!(count("down "), count(" up "), "{}", ended.out);
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! Typing with a window that hangs, is closed or loses its desktop: events go on, and nothing stays pressed.
 
 use std::fs;
-use std::path::Path;
 use std::process::Command;
 
 use tempfile::TempDir;
@@ -128,7 +127,6 @@ fn a_lost_desktop_ends_the_program() {
         return;
     };
     session.wait_for_typing();
-    let children = session.program.children();
     session.server.kill();
     // The X11 library ends the process itself.
     let status = session.program.wait_for_exit();
@@ -138,9 +136,24 @@ fn a_lost_desktop_ends_the_program() {
         "{:#?}",
         session.program.stderr_lines()
     );
-    let is_gone = |child: &u32| !Path::new(&format!("/proc/{child}")).exists();
+}
+
+#[test]
+fn a_lost_desktop_ends_the_watchdog_of_pressed_keys() {
+    let Some(mut session) = Session::start_pressing() else {
+        return;
+    };
+    let children = session.program.children();
+    assert!(!children.is_empty(), "no watchdog");
+    session.server.kill();
+    let status = session.program.wait_for_exit();
+    assert!(!status.success(), "{:#?}", session.program.stderr_lines());
+    let has_exited = |child: &u32| {
+        let stat = fs::read_to_string(format!("/proc/{child}/stat")).unwrap_or_default();
+        stat.is_empty() || stat.contains(") Z")
+    };
     assert!(
-        wait_for(|| children.iter().all(is_gone)),
+        wait_for(|| children.iter().all(has_exited)),
         "the watchdog exits too"
     );
 }

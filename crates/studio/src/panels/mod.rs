@@ -458,9 +458,10 @@ mod tests {
         panels.next_setup = Some(change.clone());
         assert_eq!(panels.take_setup(&sensors), None);
         assert!(panels.message.take().is_some(), "a reason");
-        if let Some(Ok(edited)) = &mut panels.editor {
-            assert!(edited.editor.undo());
-        }
+        let Some(Ok(edited)) = &mut panels.editor else {
+            panic!("no editor");
+        };
+        assert!(edited.editor.undo());
         panels.next_setup = Some(change.clone());
         assert_eq!(panels.take_setup(&sensors), Some(change));
     }
