@@ -32,6 +32,7 @@ fn a_person_without_errors_clicks_on_wide_targets_with_every_pointer() {
 fn a_pinch_does_not_take_the_cursor_of_a_webcam_along() {
     let scores = Run::new("webcam-mouse").of(&[steady(&["index"])], SourceKind::Ideal);
     let pointing = scores[0].pointing.as_ref().expect("it points");
+    assert!(!pointing.series.is_empty());
     for series in &pointing.series {
         println!("{series:?}");
         assert!(series.slips <= 3, "{series:?}");

@@ -277,6 +277,7 @@ Glove(
             let new = map().with_calibrations(&[calibration(), calibration()]);
             let text = write(&document(), &new);
             let read = Glove::parse(&Document::new("mine.ron", text)).unwrap().map;
+            assert_eq!(read.rows().len(), new.rows().len());
             for (read_row, new_row) in read.rows().iter().zip(new.rows()) {
                 for count in [0.0, 255.0] {
                     let error =
