@@ -287,6 +287,7 @@ pub const FAULTS: &[Row] = &[
         ("tests/outputs/wayland/ends.rs", "all_keys_are_released_while_the_program_is_stopped_and_it_types_again_afterwards"),
         ("tests/outputs/vm/typing.rs", "the watchdog releases uinput keys of a stopped program"),
         ("tests/capture/statistics.rs", "readings_from_before_a_stop_of_the_program_press_nothing_and_are_counted"),
+        ("tests/capture/statistics.rs", "readings_that_have_waited_for_longer_than_the_stall_timeout_are_dropped"),
     ])),
     fault(52, "stopped from the terminal (Ctrl-Z)", Tests(&[
         ("tests/outputs/x11/watchdog.rs", "ctrl_z_releases_keys_before_the_stop_and_the_hand_must_leave_them_after_it"),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ademan::capture::{
     CaptureError, Hc11Format, PacedSource, Reading, Source, SourceEvent, SourceStats,
@@ -15,6 +15,9 @@ use ademan::session::{CommandReceiver, Summary, command_channel, run_pipeline};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
 use ademan::snapshot::{Stats, StepView};
+use ademan::time::Timestamp;
+
+use crate::support::press::{Posture, Press, glove_format, reading};
 
 /// A typist whose every tenth reading has an impossible wrist angle.
 struct FaultyTypist {
@@ -181,4 +184,102 @@ fn readings_queued_at_the_end_of_a_session_are_counted() {
         assert_eq!(received, sum);
         assert!(stats.accepted < 200, "the session was stopped early");
     }
+}
+
+/// Readings that wait for a session that is blocked. The queue of a live source has room for them.
+const WAITING: usize = 10;
+
+/// The progress of a block of a session.
+#[derive(Default)]
+struct Block {
+    has_begun: AtomicBool,
+    are_readings_waiting: AtomicBool,
+    is_over: AtomicBool,
+}
+
+/// A live hand that holds a key until its session is blocked, sends a few more readings, and lifts when the block is over.
+struct WaitingHand {
+    approach: std::vec::IntoIter<Posture>,
+    pressed: Posture,
+    waiting: usize,
+    lift: std::vec::IntoIter<Posture>,
+    block: Arc<Block>,
+    start: Instant,
+}
+
+impl Source for WaitingHand {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        let is_late = self.start.elapsed() > Duration::from_secs(60);
+        assert!(!is_late, "the hand waits for its session");
+        let posture = if let Some(posture) = self.approach.next() {
+            Some(posture)
+        } else if !self.block.has_begun.load(Ordering::Relaxed) {
+            Some(self.pressed)
+        } else if self.waiting < WAITING {
+            self.waiting += 1;
+            Some(self.pressed)
+        } else if !self.block.is_over.load(Ordering::Relaxed) {
+            let are_waiting = &self.block.are_readings_waiting;
+            are_waiting.store(true, Ordering::Relaxed);
+            thread::sleep(Duration::from_millis(1));
+            return Ok(SourceEvent::Idle);
+        } else {
+            self.lift.next()
+        };
+        thread::sleep(glove_format().packet_period());
+        let time = Timestamp(0) + self.start.elapsed();
+        Ok(posture.map_or(SourceEvent::End, |posture| {
+            SourceEvent::Reading(reading(time, &posture))
+        }))
+    }
+
+    fn name(&self) -> &str {
+        "a hand that waits"
+    }
+}
+
+/// No reading is missing and the times have no gap: only the age of the readings shows that they are of the past.
+#[test]
+fn readings_that_have_waited_for_longer_than_the_stall_timeout_are_dropped() {
+    let setup = Setup {
+        arm_immediately: true,
+        // A busy machine must not cause a stall before the block.
+        stall_timeout_ms: 2_000,
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("the default setup");
+    let mut sink = output::open("none", &setup.required_capabilities()).expect("an output");
+    let (press, block) = (Press::for_text("h"), Arc::new(Block::default()));
+    let source = WaitingHand {
+        pressed: press.pressed(),
+        approach: press.approach.into_iter(),
+        waiting: 0,
+        lift: press.lift.into_iter(),
+        block: Arc::clone(&block),
+        start: Instant::now(),
+    };
+    let mut presses = 0;
+    let observe = &mut |step: &StepView| {
+        let is_down = |event: &&OutputEvent| matches!(event.kind, EventKind::KeyDown(_));
+        presses += step.events.iter().filter(is_down).count();
+        if presses == 1 && !block.has_begun.load(Ordering::Relaxed) {
+            block.has_begun.store(true, Ordering::Relaxed);
+            while !block.are_readings_waiting.load(Ordering::Relaxed) {
+                thread::sleep(Duration::from_millis(1));
+            }
+            thread::sleep(Duration::from_millis(2_100));
+            block.is_over.store(true, Ordering::Relaxed);
+        }
+    };
+    let summary = run_pipeline(
+        source,
+        &mut setup.pipeline(),
+        &mut *sink,
+        &CommandReceiver::disconnected(),
+        observe,
+    );
+    let stats = summary.expect("a session").stats;
+    assert!(stats.source.dropped >= WAITING as u64, "{stats:?}");
+    assert!(stats.stalls > 0, "{stats:?}");
+    assert_eq!(presses, 1);
 }
