@@ -5,13 +5,11 @@ use crate::support::process::signal;
 
 /// Waits until the window has received the releases of both keys.
 fn check_release(typing: &Typing, what: &str) {
-    for up in ["up H", "up Shift_L"] {
-        assert!(
-            typing.window.receives(up),
-            "{what}: {:#?}",
-            typing.window.events()
-        );
-    }
+    assert!(
+        typing.window.has_all_releases(),
+        "{what}: {:#?}",
+        typing.window.events()
+    );
 }
 
 /// Kills a run and its watchdog. The run is stopped first: alone, it would release its keys.

@@ -63,6 +63,15 @@ impl Window {
         self.events()
     }
 
+    /// Waits until each press of a key is followed by its release. Returns `false` after the time-out, or if no key was pressed.
+    pub fn has_all_releases(&self) -> bool {
+        wait_for(|| {
+            let events = self.events();
+            let count = |kind: &str| events.iter().filter(|line| line.starts_with(kind)).count();
+            count("down ") > 0 && count("down ") == count("up ")
+        })
+    }
+
     /// Waits for an event. Returns `false` after the time-out.
     pub fn receives(&self, line: &str) -> bool {
         wait_for(|| self.events().iter().any(|events| events == line))
