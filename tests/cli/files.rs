@@ -83,9 +83,13 @@ fn messages_do_not_contain_typed_text() {
     const CANARY: &str = "canary";
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
+    let log = folder.path().join("run.log");
     let source = format!("typist:{CANARY}");
     let ended = run([
         "run",
+        "-vv",
+        "--log",
+        text(&log),
         "--source",
         &source,
         "--record",
@@ -95,8 +99,10 @@ fn messages_do_not_contain_typed_text() {
     ])
     .done();
     assert!(ended.err.contains("armed"), "{}", ended.err);
-    let replayed = run(["replay", text(&path), "--output", "none"]).done();
-    for messages in [ended.err, replayed.err] {
+    let logged = std::fs::read_to_string(&log).expect("a log");
+    assert!(logged.contains("armed"), "{logged}");
+    let replayed = run(["replay", "-vv", text(&path), "--output", "none"]).done();
+    for messages in [ended.err, logged, replayed.err] {
         assert!(!messages.to_lowercase().contains(CANARY), "{messages}");
         assert!(!messages.contains("down"), "{messages}");
     }
