@@ -181,7 +181,13 @@ impl Decoder<'_> {
             }
             self.touch.learn(key.character, residual);
             let is_wide = key.size[0] > 2.0 * key.size[1];
-            let this = (!is_wide).then_some((entry.tap, key.hand, residual));
+            // Around the place where the person taps the key: an offset that all taps have is no scatter.
+            let mean = self.touches.mean(index).filter(|_| !is_wide);
+            let this = mean.map(|mean| {
+                let scatter: Millimetres =
+                    std::array::from_fn(|axis| tap.position[axis] - mean[axis] - shift[axis]);
+                (entry.tap, key.hand, scatter)
+            });
             if let (Some(first), Some(second)) = (this, later)
                 && first.0 + 1 == second.0
             {
@@ -297,6 +303,45 @@ mod tests {
         assert!(learned.same_hand.correlation() > 0.5, "{learned:?}");
         decoder.start_anywhere();
         assert_eq!(decoder.touch().hands.scatter, [0.0; 2]);
+    }
+
+    #[test]
+    fn an_offset_that_all_taps_have_is_no_correlation_of_successive_taps() {
+        let mut builder = Builder::new();
+        builder.words("cat").expect("a list");
+        let bytes = builder.build().expect("a model");
+        let places = [
+            ('c', [0.0, 0.0], 17.0),
+            ('a', [19.0, 0.0], 17.0),
+            ('t', [38.0, 0.0], 17.0),
+            (' ', [19.0, 19.0], 60.0),
+        ];
+        let keys = places.map(|(character, center, width)| Key {
+            character,
+            center,
+            size: [width, 17.0],
+            hand: 0,
+        });
+        let touch = TouchModel::new(Prior {
+            offset: [4.0, 0.0],
+            ..Prior::default()
+        });
+        let model = Model::from_bytes(&bytes).expect("a model");
+        let mut decoder = Decoder::new(model, Keyboard::new(keys), touch, Options::default());
+        // Each tap is on the other side of its place than the tap before.
+        for (character, side) in "cat cat ".chars().zip([2.0, -2.0].into_iter().cycle()) {
+            let key = keys.iter().find(|key| key.character == character);
+            let [x, y] = key.expect("a key").center;
+            decoder.tap(Tap {
+                position: [x + 4.0 + side, y],
+                typed: Some(character),
+            });
+        }
+        assert_eq!(decoder.best(), "Cat cat ");
+        decoder.commit();
+        let learned = decoder.touch();
+        assert!((learned.same_hand.pairs - 4.0).abs() < 0.1);
+        assert!(learned.same_hand.correlation() < 0.0, "{learned:?}");
     }
 
     #[test]

@@ -260,6 +260,11 @@ impl Touches {
         *variance *= noise / (*variance + noise);
     }
 
+    /// Returns the mean of the taps of a key, without the displacement of the hands.
+    pub fn mean(&self, key: usize) -> Option<Millimetres> {
+        self.keys.get(key).map(|key| key.spread.mean)
+    }
+
     /// Returns the keys near the tap.
     pub fn near(&self) -> &[Near] {
         &self.near

@@ -284,7 +284,7 @@ impl TouchModel {
         }
     }
 
-    /// Learns from the residuals of two successive taps.
+    /// Learns from the residuals of two successive taps, their distances from the means of their keys without the drift of the hands.
     pub fn learn_pair(&mut self, is_same_hand: bool, first: Millimetres, second: Millimetres) {
         let sums = if is_same_hand {
             &mut self.same_hand

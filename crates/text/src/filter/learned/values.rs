@@ -58,7 +58,7 @@ schema! {
 }
 
 schema! {
-    /// Correlation between the distances of successive taps from the centers of their keys, older taps counted less.
+    /// Correlation between the distances of successive taps from where the person taps their keys, older taps counted less.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
     #[serde(default, deny_unknown_fields)]
     pub struct LearnedPairs {
