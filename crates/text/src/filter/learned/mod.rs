@@ -207,9 +207,14 @@ impl Learned {
         };
         let fraction = fraction_of(self.person.taps);
         let errors = fraction_of(self.errors.taps);
+        let prior = Prior::default();
         let (sx, sy) = self.person.scatter_mm;
-        let pairs_of =
-            |learned: &LearnedPairs| learned.sums(fraction_of(learned.pairs), sx * sx + sy * sy);
+        let mut variance = sx * sx + sy * sy;
+        if variance == 0.0 {
+            // Without taps the correlations are the correlations of an average scatter.
+            variance = prior.covariance[0] + prior.covariance[1];
+        }
+        let pairs_of = |learned: &LearnedPairs| learned.sums(fraction_of(learned.pairs), variance);
         let key_sums = self.keys.iter().filter_map(|key| {
             Some(KeySums {
                 character: key.key.chars().next()?,
@@ -227,7 +232,7 @@ impl Learned {
             },
             other_hand: pairs_of(&self.other_hand),
             same_hand: pairs_of(&self.same_hand),
-            ..TouchModel::new(Prior::default())
+            ..TouchModel::new(prior)
         }
     }
 }
@@ -310,6 +315,14 @@ mod tests {
         assert!((touch.same_hand.correlation() - 0.6).abs() < 1e-3);
         learned.person.taps = 50.0;
         assert!((learned.touch().person.taps - 50.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_correlation_counts_in_a_file_without_taps() {
+        let learned = parsed("Learned(same_hand: (pairs: 100, correlation: 0.3))").expect("a file");
+        let touch = learned.touch();
+        assert_eq!(touch.same_hand.pairs, 100.0);
+        assert!((touch.same_hand.correlation() - 0.3).abs() < 1e-6);
     }
 
     #[test]
