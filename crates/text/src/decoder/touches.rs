@@ -1,4 +1,4 @@
-//! The likelihood of a tap for each key, and the drift of the hands.
+//! The likelihood of a tap for each key, and the displacement of the hands.
 
 use super::marks::is_punctuation;
 use super::precision::Precision;
@@ -10,12 +10,12 @@ use crate::touch::{Correlations, Hands, Spread, TouchModel};
 #[derive(Clone, Copy, Debug)]
 struct KeyTouch {
     spread: Spread,
-    /// The inverse of the covariance, with the uncertainty of the drift.
+    /// The inverse of the covariance around the expected place, with the uncertainty of the drift.
     inverse: [f32; 3],
     /// The logarithm of the density at the mean.
     peak: f32,
     hand: usize,
-    /// The fraction of a residual that is drift, along each axis; 0 along a space bar.
+    /// The fraction of a residual, beyond what lasts of the last scatter, that is drift, along each axis; 0 along a space bar.
     gain: Millimetres,
     /// The largest residual that counts as drift, in millimetres along each axis.
     reach: Millimetres,
@@ -79,7 +79,7 @@ pub struct Touches {
     bounds: Vec<f32>,
 }
 
-/// The largest gain in log-likelihood of a tap by another hypothesis of the drift than the best one.
+/// The largest gain in log-likelihood of a tap by another hypothesis of the displacement than the best one.
 pub const SLACK: f32 = 1.0;
 /// The fraction of spurious taps that land near the tap before.
 const STRAY_NEAR: f32 = 0.8;
@@ -189,13 +189,14 @@ impl Touches {
         };
     }
 
-    /// Starts a tap under a hypothesis of the drift.
+    /// Starts a tap under a hypothesis of the displacement of the hands.
     pub fn tap(&mut self, tap: Millimetres, nearest: usize, hands: &Hands) {
         self.tap = tap;
         for variance in &mut self.carried.variance {
             *variance += self.step;
         }
         for key in &mut self.keys {
+            // The variance that is left when the last tap is known.
             let fresh = 1.0 - self.correlations.with(hands, key.hand).powi(2);
             let [xx, yy, xy] = key.spread.covariance.map(|value| value * fresh);
             let variance = self.carried.variance[key.hand];
@@ -293,7 +294,7 @@ impl Touches {
         self.stray
     }
 
-    /// Returns an upper bound of the log-likelihood of the tap for a letter, for any likely drift.
+    /// Returns an upper bound of the log-likelihood of the tap for a letter, for any likely displacement.
     pub fn bound(&self, symbol: Symbol) -> f32 {
         self.bounds
             .get(usize::from(symbol))

@@ -15,15 +15,15 @@ const MAX_CORRELATION: f32 = 0.6;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Hands {
-    /// The drift of each hand.
+    /// The drift of each hand, in millimetres.
     pub drift: [Millimetres; 2],
-    /// The scatter of the last tap.
+    /// The scatter of the last tap: its distance from the mean of its key without the drift, in millimetres.
     pub scatter: Millimetres,
     /// The hand of the last tap, 0 or 1.
     pub last: u8,
 }
 
-/// Correlations between the scatter of a tap and that of the tap before.
+/// Correlations between the scatter of two successive taps, each 0 to 0.6.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Correlations {
     /// The correlation if the other hand tapped before.
@@ -44,7 +44,8 @@ impl Correlations {
 }
 
 impl Hands {
-    /// Returns where the next tap of a hand is expected, relative to the mean of its key, if its scatter has a correlation with the last tap.
+    /// Returns the expected distance of the next tap of a hand from the mean of its key, in millimetres. `correlation` is the correlation
+    /// of its scatter with the scatter of the last tap.
     pub fn expected(&self, hand: usize, correlation: f32) -> Millimetres {
         std::array::from_fn(|axis| self.drift[hand][axis] + correlation * self.scatter[axis])
     }

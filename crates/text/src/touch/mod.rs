@@ -1,8 +1,9 @@
 //! The touch model of a person: where taps land that mean a key.
 //!
 //! A tap that means key `k` is normally distributed around `center + offset of the person + offset of k + drift of the hand` with the
-//! covariance of `k`, and correlated with the tap before: its mean is displaced by a fraction of that tap's scatter. Offsets and covariances are learned from committed words. Each is a mean of what was seen, in which an old
-//! tap counts less and less, and of what is believed before: a key starts from the person, the person from the prior
+//! covariance of `k`, and correlated with the tap before: its mean is displaced by a fraction of that tap's scatter (a first-order
+//! autoregressive process). Offsets, covariances and correlations are learned from committed words. Each is a mean of what was seen, in
+//! which an old tap counts less and less, and of what is believed before: a key starts from the person, the person from the prior
 //! (a normal-inverse-Wishart prior with forgetting). The drift of a hand is a random walk, tracked with a Kalman filter that the decoder
 //! keeps for each hypothesis; what it ends with is kept here.
 
@@ -42,9 +43,9 @@ pub struct Prior {
     pub first_drift: f32,
     /// The standard deviation of the drift of a hand with each tap in mm.
     pub drift: f32,
-    /// The correlation of the scatter of a tap with that of the tap before, of the other hand.
+    /// The correlation between the scatter of two successive taps of different hands, 0 to 1.
     pub other_hand: f32,
-    /// The correlation of the scatter of a tap with that of the tap before, of the same hand.
+    /// The correlation between the scatter of two successive taps of one hand, 0 to 1.
     pub same_hand: f32,
     /// The weight of both correlations, in pairs of taps.
     pub pairs: f32,
