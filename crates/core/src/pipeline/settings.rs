@@ -24,7 +24,8 @@ impl PipelineSettings {
     /// Returns the longest gap between two readings in which a fingertip may enter a target: three quarters of the stall timeout.
     ///
     /// In a longer one a fingertip can leave a key and press the next one; the straight line between both enters the keys beside them. A
-    /// source that loses one packet has a gap of two packet periods, two thirds of the shortest stall timeout of a session.
+    /// source with a known packet period that loses one packet has a gap of two periods, two thirds of the shortest stall timeout of a
+    /// session. Any other source, such as a camera, needs more than seven readings per second to press a key with the default of 200 ms.
     pub(super) fn max_sweep(&self) -> Duration {
         self.stall_timeout / 4 * 3
     }
