@@ -44,7 +44,7 @@ fn keyboard(file: &Value) -> Keyboard {
 struct Person {
     name: String,
     phrases: Vec<Phrase>,
-    offsets: Vec<[f32; 2]>,
+    offsets: Vec<(char, [f32; 2])>,
     /// Successive letters with their offsets.
     successive: Vec<[(char, [f32; 2]); 2]>,
 }
@@ -65,7 +65,7 @@ fn people(file: &Value, keyboard: &Keyboard) -> Vec<Person> {
                 number(&tap["dyNorm"]) * key.size[1],
             ];
             let letter = character.is_alphabetic().then_some((character, offset));
-            offsets.extend(letter.map(|(_, of_letter)| of_letter));
+            offsets.extend(letter);
             successive.extend(before.zip(letter).map(|(before, letter)| [before, letter]));
             before = letter;
             Tap::at(key.center[0] + offset[0], key.center[1] + offset[1])
@@ -95,20 +95,20 @@ fn people(file: &Value, keyboard: &Keyboard) -> Vec<Person> {
     people
 }
 
+/// Returns the mean of the offsets of some letters.
+fn mean_of(offsets: &[(char, [f32; 2])], is_one: impl Fn(char) -> bool) -> [f32; 2] {
+    let some = offsets.iter().filter(|(letter, _)| is_one(*letter));
+    let count = some.clone().count() as f32;
+    std::array::from_fn(|axis| some.clone().map(|(_, offset)| offset[axis]).sum::<f32>() / count)
+}
+
 /// Fits the prior to the taps of people: mean and covariance around each one's own mean.
 fn prior<'a>(people: impl Iterator<Item = &'a Person>) -> Prior {
     let (mut mean, mut squares, mut count) = ([0.0; 2], [0.0; 3], 0.0);
     for person in people {
         let number = person.offsets.len() as f32;
-        let own: [f32; 2] = std::array::from_fn(|axis| {
-            person
-                .offsets
-                .iter()
-                .map(|offset| offset[axis])
-                .sum::<f32>()
-                / number
-        });
-        for offset in &person.offsets {
+        let own = mean_of(&person.offsets, |_| true);
+        for (_, offset) in &person.offsets {
             let [x, y] = [offset[0] - own[0], offset[1] - own[1]];
             for (sum, square) in squares.iter_mut().zip([x * x, y * y, x * y]) {
                 *sum += square;
@@ -127,27 +127,22 @@ fn prior<'a>(people: impl Iterator<Item = &'a Person>) -> Prior {
     }
 }
 
-/// Adds the successive letters of people to the sums of the other and of the same hand, if the left thumb types up to T, G and B.
+/// Adds the successive letters of people to the sums of the other and of the same hand, if the left thumb types up to T, G and B. They
+/// are around the mean of each thumb: an offset of one thumb is drift, and would look like a correlation of its taps.
 fn pairs_of(people: &[Person]) -> [PairSums; 2] {
     let is_left = |letter: char| "qwertasdfgzxcvb".contains(letter);
     let mut sums = [PairSums::default(); 2];
     for person in people {
-        let count = person.offsets.len() as f32;
-        let mean: [f32; 2] = std::array::from_fn(|axis| {
-            person
-                .offsets
-                .iter()
-                .map(|offset| offset[axis])
-                .sum::<f32>()
-                / count
-        });
-        let centered = |offset: [f32; 2]| {
+        let means = [false, true]
+            .map(|is_of_left| mean_of(&person.offsets, |letter| is_left(letter) == is_of_left));
+        let centered = |(letter, offset): (char, [f32; 2])| {
+            let mean = means[usize::from(is_left(letter))];
             // A slip to another key is no scatter.
             std::array::from_fn(|axis| (offset[axis] - mean[axis]).clamp(-6.0, 6.0))
         };
         for [first, second] in &person.successive {
             let is_same_hand = is_left(first.0) == is_left(second.0);
-            sums[usize::from(is_same_hand)].add(centered(first.1), centered(second.1));
+            sums[usize::from(is_same_hand)].add(centered(*first), centered(*second));
         }
     }
     sums
