@@ -99,7 +99,10 @@ impl Decoder<'_> {
         let (Some(meant_key), Some((typed_key, _))) = keys else {
             return false;
         };
-        let likelihood = |key: usize| self.touches.of_key(key, &best.hands);
+        // After this tap, the scatter of the last tap is its own, as a tap of the meant key.
+        let mut hands = best.hands;
+        hands.lift();
+        let likelihood = |key: usize| self.touches.of_key(key, &hands);
         likelihood(meant_key) > likelihood(typed_key)
     }
 
@@ -177,5 +180,39 @@ impl Decoder<'_> {
         if let (true, Some(token)) = (self.finished.is_empty(), self.tokens.first()) {
             self.finished.push(Finished::partial(0, token));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::build::Builder;
+    use crate::keyboard::{Key, Keyboard, Tap};
+    use crate::{Decoder, Model, Options, Prior, TouchModel};
+
+    #[test]
+    fn a_tap_on_a_letter_ends_no_word_by_its_own_scatter() {
+        let mut builder = Builder::new();
+        builder.words("cat").expect("a list");
+        let bytes = builder.build().expect("a model");
+        let keys = "cat ".chars().zip(0_u8..).map(|(character, index)| Key {
+            character,
+            center: [f32::from(index) * 19.0, 0.0],
+            size: [17.0; 2],
+            hand: 0,
+        });
+        let touch = TouchModel::new(Prior {
+            same_hand: 0.6,
+            pairs: 1e6,
+            first_drift: 0.0,
+            ..Prior::default()
+        });
+        let model = Model::from_bytes(&bytes).expect("a model");
+        let mut decoder = Decoder::new(model, Keyboard::new(keys), touch, Options::default());
+        // The last one is 8 mm from the middle of `t` and 11 mm from the middle of the space bar.
+        for x in [0.0, 19.0, 38.0, 46.0] {
+            decoder.tap(Tap::at(x, 0.0));
+        }
+        assert_eq!(decoder.best(), "Cat ");
+        assert!(!decoder.ends_word_beside_its_key());
     }
 }
