@@ -78,6 +78,26 @@ fn a_finger_that_slides_off_releases_its_key_and_does_not_press_the_neighbor() {
 }
 
 #[test]
+fn a_finger_that_rests_on_a_key_does_not_press_it_on_the_way_to_another_key_in_a_gap() {
+    let way = "index w up; index w 1; gap 160 & index e down; wait 50";
+    assert_eq!(simulate_keys(BOARD, way), "");
+    assert_eq!(
+        simulate_keys(BOARD, &format!("{way}; index e up; index e down")),
+        "dn:E"
+    );
+    assert_eq!(
+        simulate_keys(BOARD, "index w up; index w 1; gap 160 & index w down"),
+        "dn:W",
+        "it stays"
+    );
+    assert_eq!(
+        simulate_keys(BOARD, "index w up; index w 1; index e down"),
+        "dn:W up:W",
+        "without a gap"
+    );
+}
+
+#[test]
 fn tremor_at_the_edge_does_not_cancel_a_press() {
     let tremor = "index w 9.5 0 down; index w 7.5 0 down; ".repeat(10);
     let script = format!("index w 7.5 0 up; index w 7.5 0 down; {tremor}");

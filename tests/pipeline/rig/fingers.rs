@@ -20,6 +20,8 @@ use crate::support::oracle::{Oracle, OutputRules};
 pub const TIP_RADIUS: f32 = 0.005;
 /// The time from step to step, in microseconds.
 const PERIOD: u64 = 10_000;
+/// The longest step in which a fingertip may enter a target, in microseconds, as of a pipeline with the default settings.
+const MAX_SWEEP: u64 = 150_000;
 /// The height of a raised fingertip above the front of a target, in millimetres.
 const RAISED_MM: f32 = 6.0;
 
@@ -35,6 +37,8 @@ pub struct Rig {
     hands: [Hand; Side::COUNT],
     side: Side,
     time: Timestamp,
+    /// The time for which readings are missing before the next step, in microseconds.
+    gap: u64,
     transcript: Transcript,
     oracle: Oracle,
 }
@@ -117,6 +121,7 @@ impl Rig {
             commands: TimedCommands::new(),
             side: Side::Right,
             time: Timestamp(0),
+            gap: 0,
             transcript: Transcript::new(Detail::Every, Timestamp(0)),
             oracle: Oracle::new([rules], settings),
             scene,
@@ -147,6 +152,7 @@ impl Rig {
         let mut pose = HandPose::new(self.time, self.side, TIP_RADIUS);
         pose.untrusted = hand.untrusted;
         pose.jumped = hand.jumped;
+        pose.is_after_gap = self.gap + PERIOD > MAX_SWEEP;
         if let Some(knuckle) = hand.knuckle {
             let knuckle = Pose::from_parts(knuckle, hand.palm);
             pose.set(Joint::IndexPhalanxProximal, knuckle);
@@ -247,6 +253,7 @@ impl Rig {
         match *order {
             ["left"] => self.side = Side::Left,
             ["right"] => self.side = Side::Right,
+            ["gap", milliseconds] => self.gap = number::<u64>(milliseconds) * 1_000,
             ["reacquire"] => self.hand().jumped = true,
             ["reset"] => self.reset(),
             ["release"] => self.release(true),
@@ -303,10 +310,11 @@ impl Rig {
         self.hand().tips[finger(name).index()] = Some(tip);
     }
 
-    /// Shows the current hand 10 ms later.
+    /// Shows the current hand 10 ms later, or after the gap.
     fn show(&mut self) {
-        self.time = Timestamp(self.time.0 + PERIOD);
+        self.time = Timestamp(self.time.0 + self.gap + PERIOD);
         let pose = self.pose();
+        self.gap = 0;
         let hand = &mut self.hands[self.side.index()];
         hand.jumped = false;
         let mut touches = Touches::new();

@@ -21,7 +21,7 @@ use crate::time::Timestamp;
 ///
 /// - A fingertip starts to touch a target only through its front. A fingertip that is inside a
 ///   target when it is first seen (new layout, [`reset`](Self::reset), jump, trusted again), or that has entered one
-///   [in a gap](HandPose::is_after_gap), must leave and enter again.
+///   [in a gap](HandPose::is_after_gap), must leave and enter again. A gap presses a target only if the fingertip is still on it.
 /// - It touches one target at most: the first that it enters, by its outline or its share of the gaps; on a tie, the one whose
 ///   outline is nearest, then the one whose center is. It stays on that target, however deep it goes.
 /// - It leaves through the front (`Left`), or sideways by more than the target's margin
@@ -440,6 +440,8 @@ impl FingerState {
         let is_before_side_exit = |t: f32| side_exit.is_none_or(|exit| t < exit);
         if let Some(t) = crossing.map(|t| t.max(since))
             && is_before_side_exit(t)
+            // After a gap, a straight line to another target may press this one on the way.
+            && (contact.is_pressed || step.may_enter || side_exit.is_none())
         {
             contact.is_pressed = phase == Phase::Pressed;
             contact.depth = level;
