@@ -103,3 +103,29 @@ fn joint_pointing_selects_in_every_space() {
         "select:Near depth:Near=1.000"
     );
 }
+
+#[test]
+fn a_fingertip_selects_no_target_in_a_gap() {
+    let through = "tip index 250 0 -300; gap 160 & tip index 350 0 -300; wait 50";
+    assert_eq!(play(SCENE, through), "", "on the straight line");
+    let into = "tip index 250 0 -300; gap 160 & tip index 300 0 -300; wait 50";
+    assert_eq!(play(SCENE, into), "", "at its end");
+    assert_eq!(
+        play(
+            SCENE,
+            &format!("{into}; tip index 350 0 -300; tip index 300 0 -300")
+        ),
+        "select:Door dn:A depth:Door=1.000",
+        "after it has left"
+    );
+    let held = "tip index 250 0 -300; tip index 300 0 -300; gap 160 & tip index 300 0 -300";
+    assert_eq!(play(SCENE, held), "select:Door dn:A depth:Door=1.000");
+    assert_eq!(
+        play(
+            SCENE,
+            &format!("{held}; wait 50; gap 160 & tip index 0 0 -300; wait 50")
+        ),
+        "select:Door dn:A depth:Door=1.000 up:A depth:Door=0.000 unselect:Door",
+        "to another target"
+    );
+}

@@ -60,8 +60,8 @@ impl CursorPoint {
 /// Between two steps the cursor moves on a straight line, so it cannot tunnel through a target. A target is
 /// selected from the point where the cursor enters it until the cursor is [`TREMOR_MARGIN`] outside. Where
 /// targets overlap, the one with the nearest center is selected; the selection changes when another center
-/// is nearer by that margin. A cursor that is in a target when it is first seen has to leave all targets
-/// before it selects one.
+/// is nearer by that margin. A cursor that is in a target when it is first seen, or that has entered one
+/// [in a gap](HandPose::is_after_gap), has to leave all targets before it selects one.
 #[derive(Clone, Debug)]
 pub(super) struct Selector {
     spaces: Vec<SelectionSpace>,
@@ -178,6 +178,11 @@ impl Selector {
                     }
                     None => break,
                 }
+            }
+            if pose.is_after_gap {
+                // The straight line leads through targets that the cursor did not enter.
+                self.is_armed = self.is_clear(cursor, pose);
+                return;
             }
             let Some((space, entry)) = self.first_entry(cursor, pose, t) else {
                 return;
