@@ -243,3 +243,15 @@ fn an_error_of_a_menu_has_its_position() {
         assert!(error.message().contains(expected), "{error}");
     }
 }
+
+#[test]
+fn a_release_in_a_gap_fires_nothing() {
+    // The fingertip may have gone back before it lifted.
+    let lifted = |gap: &str| moved(&["0 20"], &format!("{gap} & {}", lift("0 5")));
+    assert_eq!(
+        lifted("gap 100"),
+        "value:M=0.143 dn:C up:C value:M=0.000",
+        "short"
+    );
+    assert_eq!(lifted("gap 160"), "value:M=0.143 value:M=0.000");
+}

@@ -235,8 +235,9 @@ impl OpenMenu {
 /// A fingertip that presses a hub opens its menu around the fingertip. Beyond the dead zone the sector in its direction is
 /// highlighted, and the release of the press taps the action of that sector. The release in a dead zone, or over a sector with a
 /// nested menu, fires nothing. A fingertip that slides over a sector with a nested menu by the radius of the front opens that menu
-/// around the fingertip; back in the dead zone of the outer menu, it closes the nested one. A fingertip that slides off the front
-/// or is lost fires nothing, nor does [`VirtualDevice::release_all`]. Other fingertips on the same menu are ignored.
+/// around the fingertip; back in the dead zone of the outer menu, it closes the nested one. A fingertip that slides off the front,
+/// lifts [in a gap](crate::kinematics::HandPose::is_after_gap) or is lost fires nothing, nor does [`VirtualDevice::release_all`].
+/// Other fingertips on the same menu are ignored.
 ///
 /// The value tells which part is highlighted, see [`RadialMenu::value`].
 #[derive(Clone, Debug)]
@@ -290,13 +291,14 @@ impl RadialMenus {
         emitter.set(menu.value(grip.state.state), touch.time, out);
     }
 
-    /// Fires what is highlighted. The position of the release is ignored: a fingertip slips when it lifts.
-    fn fire(&mut self, touch: &Touch, out: &mut DeviceOutput) {
+    /// Fires what is highlighted. The position of the release is ignored: a fingertip slips when it lifts. After a gap nothing is
+    /// fired: the fingertip may have left the sector before it lifted.
+    fn fire(&mut self, touch: &Touch, is_after_gap: bool, out: &mut DeviceOutput) {
         let Some(grip) = self.grips.get_mut(touch) else {
             return;
         };
         let (menu, _) = &self.menus[grip.control];
-        if let Some(choice) = menu.choice(grip.state.state) {
+        if let Some(choice) = menu.choice(grip.state.state).filter(|_| !is_after_gap) {
             tap(choice, touch, out);
         }
         self.close(touch, out);
@@ -361,7 +363,7 @@ impl VirtualDevice for RadialMenus {
                 Phase::Touched => {}
                 Phase::Pressed => self.open(touch, out),
                 Phase::Moved => self.follow(touch, out),
-                Phase::Released => self.fire(touch, out),
+                Phase::Released => self.fire(touch, input.pose.is_after_gap, out),
                 Phase::Left | Phase::Cancelled => self.close(touch, out),
             }
         }
