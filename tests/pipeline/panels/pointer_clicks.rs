@@ -187,6 +187,24 @@ fn sideways_motion_does_not_push_and_reaching_ends_a_push() {
 }
 
 #[test]
+fn a_push_that_missing_readings_hide_does_not_click() {
+    let push = "clicks: [(gesture: Push(20), action: Key(\"MouseLeft\"))]";
+    // The fingertip may have gone aside before it went forward.
+    let hidden = "open; wait 100; gap 60 & tip index 85 0 -30; wait 200";
+    assert_eq!(play(push, hidden), "");
+    let seen =
+        "tip index 85 0 -40; tip index 85 0 -55; wait 200; tip index 85 0 -43; tip index 85 0 -30";
+    assert_eq!(
+        play(push, &format!("{hidden}; {seen}")),
+        "dn:MouseLeft up:MouseLeft",
+        "after a rest"
+    );
+    let held =
+        "open; tip index 80 0 -10; tip index 80 0 -25; gap 160 & tip index 80 0 -25; wait 100";
+    assert_eq!(play(push, held), "dn:MouseLeft", "held in the gap");
+}
+
+#[test]
 fn a_cursor_that_was_moved_and_rests_clicks_once() {
     let dwell = "dwell: (time_ms: 300, radius_px: 10, action: Key(\"MouseLeft\"))";
     assert_eq!(

@@ -166,8 +166,9 @@ impl AssignedGesture {
             ClickMethod::Push(depth) => {
                 let (tip, forward) = (hand.tip(Finger::Index), settings.mode.forward());
                 let is_on = self.detector.is_on();
+                let step = (seconds, hand.pose().is_after_gap);
                 (
-                    self.push.update(tip, forward, (depth, is_on), seconds),
+                    self.push.update(tip, forward, (depth, is_on), step),
                     push::thresholds(depth),
                 )
             }
