@@ -140,6 +140,17 @@ fn a_short_touch_clicks_without_moving_the_pointer() {
 }
 
 #[test]
+fn a_finger_that_lifts_in_a_gap_does_not_click() {
+    // It may have moved before it lifted.
+    let lifted = |gap: &str| {
+        let script = format!("index P 0 0 up; index P 0 0 1; {gap} & index P 10 0 up");
+        simulate(PAD, &script)
+    };
+    assert_eq!(lifted("gap 100"), "dn:MouseLeft up:MouseLeft", "short");
+    assert_eq!(lifted("gap 160"), "");
+}
+
+#[test]
 fn two_fingers_click_the_right_button() {
     assert_eq!(
         simulate(

@@ -95,7 +95,9 @@ impl VirtualDevice for TouchSurfaces {
         for touch in input.touches {
             match self.device(touch) {
                 Some((button, TouchDevice::Screen(screen))) => screen.handle(touch, button, out),
-                Some((button, TouchDevice::Pad(pad))) => pad.handle(touch, button, out),
+                Some((button, TouchDevice::Pad(pad))) => {
+                    pad.handle(touch, input.pose.is_after_gap, button, out);
+                }
                 None => {}
             }
         }

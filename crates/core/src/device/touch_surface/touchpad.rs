@@ -49,7 +49,7 @@ pub(super) struct Touchpad {
     began: Timestamp,
     max_fingers: usize,
     has_moved: bool,
-    /// `true` if a finger slid off or was lost: the rest of the gesture has no effect.
+    /// `true` if a finger slid off, was lost or lifted in a gap: the rest of the gesture has no effect.
     is_cancelled: bool,
     /// `true` if the gesture began soon after a click.
     may_drag: bool,
@@ -95,8 +95,15 @@ impl Touchpad {
         *self = Self::new(self.settings);
     }
 
-    /// Updates the fingers; emits clicks and the end of a drag.
-    pub(super) fn handle(&mut self, touch: &Touch, button: MouseButton, out: &mut DeviceOutput) {
+    /// Updates the fingers; emits clicks and the end of a drag. A finger that lifts [in a gap](crate::kinematics::HandPose::is_after_gap)
+    /// does not click: it may have moved.
+    pub(super) fn handle(
+        &mut self,
+        touch: &Touch,
+        is_after_gap: bool,
+        button: MouseButton,
+        out: &mut DeviceOutput,
+    ) {
         if touch.phase == Phase::Touched {
             self.finger_down(touch);
             return;
@@ -109,6 +116,7 @@ impl Touchpad {
         self.has_moved |= touch.position.distance(self.fingers[index].start) > DEAD_ZONE;
         if matches!(touch.phase, Phase::Left | Phase::Cancelled) {
             self.fingers.remove(index);
+            self.is_cancelled |= is_after_gap;
             self.finger_up(touch, button, out);
         }
     }
