@@ -125,10 +125,10 @@ mod tests {
             sums.add(before, tap);
             before = tap;
         }
-        assert!((sums.correlation() - 0.4).abs() < 0.03, "{sums:?}");
-        assert!((sums.believed(0.0, 50.0) - 0.4).abs() < 0.04);
+        assert!((sums.correlation() - 0.4).abs() < 0.05, "{sums:?}");
+        assert!((sums.believed(0.0, 50.0) - 0.4).abs() < 0.05);
         sums.forget(0.01);
-        assert!((sums.believed(0.0, 60.0) - 0.16).abs() < 0.02, "{sums:?}");
+        assert!((sums.believed(0.0, 60.0) - 0.16).abs() < 0.03, "{sums:?}");
     }
 
     #[test]
