@@ -180,15 +180,19 @@ pub(crate) fn refused_by_display(error: &x11rb::errors::ConnectError) -> Option<
         SetupAuthenticate(refusal) => &refusal.reason,
         _ => return None,
     };
-    let text = String::from_utf8_lossy(bytes);
-    let reason = text.trim();
+    Some(refused_display(&String::from_utf8_lossy(bytes)))
+}
+
+/// Returns the advice for an X server that refuses the connection for this reason.
+pub fn refused_display(reason: &str) -> Advice {
+    let reason = reason.trim();
     let next_step = if reason.starts_with("Maximum number of clients") {
         "close a program that uses it"
     } else {
         "start this as the user of that graphical session, with its XAUTHORITY"
     };
     let refusal = format!("the X server refuses the connection: {}", escape(reason));
-    Some(Advice::new(refusal, next_step))
+    Advice::new(refusal, next_step)
 }
 
 /// Returns the advice for a missing X server that would tell which application has the focus; `display` is the value of `DISPLAY`.

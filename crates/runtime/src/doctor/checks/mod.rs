@@ -111,7 +111,7 @@ fn check_display(facts: &Facts, requirements: &Requirements) -> Finding {
             return ok("display", needed, text);
         }
         XDisplay::Unreachable(name) => (CheckStatus::Missing, advice::no_display(Some(name))),
-        XDisplay::Refused(reason) => (CheckStatus::Missing, advice::refused_by_display(reason)),
+        XDisplay::Refused(reason) => (CheckStatus::Missing, advice::refused_display(reason)),
         XDisplay::Unset => (CheckStatus::Missing, advice::no_display(None)),
         XDisplay::Unknown(reason) => {
             let advice = Advice::new(reason, "test it: `ademan doctor --test desktop`");
