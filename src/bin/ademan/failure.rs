@@ -217,10 +217,11 @@ impl From<SessionError> for Failure {
 
 #[cfg(all(test, unix))]
 mod tests {
-    use super::*;
-
     #[test]
     fn an_error_of_a_standard_stream_names_the_stream_and_the_remedy() {
+        // A benchmark that includes this file has no tests, so an import outside would be unused there.
+        use super::*;
+
         let message = |error: io::Error| Failure::from(error).message();
         let full = message(io::ErrorKind::StorageFull.into());
         let writing = "cannot write to the standard output: ";

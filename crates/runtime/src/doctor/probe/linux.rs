@@ -237,8 +237,8 @@ impl<'a> Machine<'a> {
         let Ok(display) = number.parse::<u16>() else {
             return XDisplay::Unreachable(name.to_owned());
         };
-        let host = fs::read(self.at("/proc/sys/kernel/hostname")).unwrap_or_default();
-        match x11::refusal(&path, host.trim_ascii_end(), display) {
+        let machine = fs::read(self.at("/proc/sys/kernel/hostname")).unwrap_or_default();
+        match x11::refusal(&path, machine.trim_ascii_end(), display) {
             Ok(None) => XDisplay::Reachable(name.to_owned()),
             Ok(Some(reason)) => XDisplay::Refused(reason),
             Err(_) => XDisplay::Unreachable(name.to_owned()),
