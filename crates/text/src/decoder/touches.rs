@@ -232,7 +232,7 @@ impl Touches {
             .fold(f32::NEG_INFINITY, f32::max);
         let meant = self.keys[likeliest];
         if meant.has_place && !meant.wide {
-            let shift = hands.expected(meant.hand, self.correlations.with(hands, meant.hand));
+            let shift = self.correlations.expected(hands, meant.hand);
             self.carried.precision.add(std::array::from_fn(|axis| {
                 tap[axis] - meant.spread.mean[axis] - shift[axis]
             }));
@@ -321,7 +321,7 @@ impl Touches {
         let Some(key) = self.keys.get(key) else {
             return f32::NEG_INFINITY;
         };
-        let shift = hands.expected(key.hand, self.correlations.with(hands, key.hand));
+        let shift = self.correlations.expected(hands, key.hand);
         let x = tap[0] - key.spread.mean[0] - shift[0];
         let y = tap[1] - key.spread.mean[1] - shift[1];
         let [xx, yy, xy] = key.inverse;

@@ -41,15 +41,15 @@ impl Correlations {
             self.other_hand
         }
     }
+
+    /// Returns the expected distance of the next tap of a hand from the mean of its key, in millimetres.
+    pub fn expected(&self, hands: &Hands, hand: usize) -> Millimetres {
+        let correlation = self.with(hands, hand);
+        std::array::from_fn(|axis| hands.drift[hand][axis] + correlation * hands.scatter[axis])
+    }
 }
 
 impl Hands {
-    /// Returns the expected distance of the next tap of a hand from the mean of its key, in millimetres. `correlation` is the correlation
-    /// of its scatter with the scatter of the last tap.
-    pub fn expected(&self, hand: usize, correlation: f32) -> Millimetres {
-        std::array::from_fn(|axis| self.drift[hand][axis] + correlation * self.scatter[axis])
-    }
-
     /// Forgets the last tap, after the hands were lifted.
     pub fn lift(&mut self) {
         self.scatter = Millimetres::default();
@@ -152,8 +152,7 @@ mod tests {
             other_hand: 0.0,
             same_hand: 0.5,
         };
-        let expected = |hand| hands.expected(hand, correlations.with(&hands, hand));
-        assert_eq!(expected(0), [1.0, 0.0]);
-        assert_eq!(expected(1), [2.0, 1.0]);
+        assert_eq!(correlations.expected(&hands, 0), [1.0, 0.0]);
+        assert_eq!(correlations.expected(&hands, 1), [2.0, 1.0]);
     }
 }
