@@ -55,6 +55,17 @@ fn messages(events: &[EventKind]) -> Vec<Vec<u8>> {
     without_sensing(&written)
 }
 
+/// The end of all notes of the first channel.
+const ALL_NOTES_OFF: [u8; 3] = [0xb0, 123, 0];
+
+/// Waits until the thread of the port has ended all notes on its own, which takes two periods without a step.
+fn wait_for_all_notes_off(written: &Written) {
+    wait_until("the end of all notes", || {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        written.lock().unwrap().contains(&ALL_NOTES_OFF.to_vec())
+    });
+}
+
 /// Removes and returns what was written, without Active Sensing.
 fn without_sensing(written: &Written) -> Vec<Vec<u8>> {
     let mut messages = std::mem::take(&mut *written.lock().unwrap());
@@ -190,12 +201,7 @@ fn a_write_that_fails_leaves_no_note() {
 fn a_write_that_fails_while_the_loop_hangs_leaves_no_note() {
     let (mut sink, written) = failing_sink();
     sink.send(&[event(1, Velocity(C4, 1.0))]).unwrap();
-    let end = vec![0xb0, 123, 0];
-    // Two periods without a step.
-    wait_until("the end of all notes", || {
-        std::thread::sleep(std::time::Duration::from_millis(10));
-        written.lock().unwrap().contains(&end)
-    });
+    wait_for_all_notes_off(&written);
     let expected: [[u8; 3]; 3] = [[0x90, 60, 127], [0x80, 60, 64], [0xb0, 123, 0]];
     assert_eq!(without_sensing(&written), expected);
 }
@@ -204,14 +210,11 @@ fn a_write_that_fails_while_the_loop_hangs_leaves_no_note() {
 fn a_loop_that_hangs_leaves_no_note() {
     let (mut sink, written) = sink();
     sink.send(&[event(1, Velocity(C4, 1.0))]).unwrap();
-    let end = vec![0xb0, 123, 0];
-    // Two periods without a step.
-    wait_until("the end of all notes", || {
-        std::thread::sleep(std::time::Duration::from_millis(10));
-        written.lock().unwrap().contains(&end)
-    });
+    wait_for_all_notes_off(&written);
     let messages = written.lock().unwrap().clone();
-    let before = messages.iter().take_while(|message| **message != end);
+    let before = messages
+        .iter()
+        .take_while(|message| **message != ALL_NOTES_OFF);
     let sensing = before.filter(|message| **message == [0xfe]).count();
     assert!(sensing <= 2, "{sensing}");
 }
