@@ -1,5 +1,5 @@
-//! The sketch in `firmware/` as the compiler for AVR and the Arduino library make it, on a simulated Arduino Nano (simavr). Times are
-//! those of the simulated board.
+//! The sketch in `firmware/` as the compiler for AVR and the Arduino library make it, on a simulated Arduino Nano (simavr). Times
+//! are on the clock of the simulated board.
 
 use std::fs::{self, File};
 use std::path::Path;

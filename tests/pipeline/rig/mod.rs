@@ -24,7 +24,7 @@
 //! | `doubt FINGER`, `trust FINGER` | the finger is tracked, but not to be trusted; trusted again |
 //! | `left`, `right` | the following is about this hand |
 //! | `reacquire` | tracking jumps to another position |
-//! | `gap MS` | the readings of so many milliseconds before the step are missing |
+//! | `gap MS` | the readings of the last MS milliseconds before the step are missing |
 //! | `reset` | the contact tracker forgets all contacts |
 //! | `release` | everything is released, as by the pipeline |
 //! | `release-devices` | the devices release everything, the contacts stay |

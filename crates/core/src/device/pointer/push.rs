@@ -21,7 +21,7 @@ const MAX_DEPTHS: f32 = 2.5;
 /// A fingertip slower than this, in m/s, is at rest.
 const REST_SPEED: f32 = 0.05;
 
-/// A step that is so many times as long as the step before, and longer than [`MIN_GAP`], hides readings: the fingertip may have
+/// A step more than this many times as long as the step before, and longer than [`MIN_GAP`], hides readings: the fingertip may have
 /// moved sideways in it. A camera that loses one picture has a step of twice the length.
 const GAP_PERIODS: f32 = 1.75;
 
