@@ -2,14 +2,11 @@
 
 use std::ops::Range;
 
-use ron::value::RawValue;
-use serde::Deserialize;
-
 use super::fit::{Fit, PoseFit};
 use super::load::{BoardSchema, LayoutSchema};
 use super::quantity::{Offset, Tilt};
 use crate::contact::board_pose::BoardPose;
-use crate::document::{Document, DocumentError, byte_offset, parse_ron};
+use crate::document::{Document, DocumentError, Item, Node, read_tree};
 
 /// Returns the text with its boards at these poses, one per board, in millimetres and degrees with two decimals. The
 /// poses are those for the hands of `fit`, the text is for the design hand.
@@ -80,21 +77,42 @@ fn edit_poses(
     edits_of: impl Fn(usize, &BoardSchema) -> Option<Vec<FieldEdit>>,
 ) -> Result<String, DocumentError> {
     let schema: LayoutSchema = document.parse()?;
-    let raw: RawLayout = document.parse()?;
+    let (text, tree) = (&document.text, tree_of(document)?);
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
-    for (index, (board, raw_board)) in schema.boards.iter().zip(&raw.boards).enumerate() {
-        let pose: RawPose = parse_ron(raw_board.pose.get_ron(), &document.file)?;
+    let boards = schema.boards.iter().zip(items_of(&tree, text, "boards"));
+    for (index, (board, item)) in boards.enumerate() {
+        let Some(pose) = item.value.field(text, "pose") else {
+            continue;
+        };
         for (field, value) in edits_of(index, board).unwrap_or_default() {
-            edits.push(match pose.field(field) {
-                Some(old) => (byte_range(&document.text, old), value.to_string()),
-                None => {
-                    let end = byte_range(&document.text, pose.anchor).end;
-                    (end..end, format!(", {field}: {value}"))
-                }
-            });
+            if let Some(old) = pose.field(text, field) {
+                edits.push((old.range.clone(), value.to_string()));
+            } else if let Some(anchor) = pose.field(text, "anchor") {
+                let end = anchor.range.end;
+                edits.push((end..end, format!(", {field}: {value}")));
+            }
         }
     }
-    Ok(replace_ranges(&document.text, edits))
+    Ok(replace_ranges(text, edits))
+}
+
+/// Returns the tree of the text of a file that was read.
+pub(super) fn tree_of(document: &Document) -> Result<Node, DocumentError> {
+    read_tree(&document.text).ok_or_else(|| {
+        let message = "the fields are not found for an edit; write their names without `r#`";
+        DocumentError::for_file(&document.file, message)
+    })
+}
+
+/// Returns the values of a list in a field; none if the field is not written.
+pub(super) fn items_of<'t>(node: &'t Node, text: &str, field: &str) -> &'t [Item] {
+    node.field(text, field).map_or(&[], Node::items)
+}
+
+/// Returns the value of a field, unless it is `None`.
+pub(super) fn stated<'t>(node: &'t Node, text: &str, field: &str) -> Option<&'t Node> {
+    let value = node.field(text, field)?;
+    (value.text(text) != "None").then_some(value)
 }
 
 /// Returns the text with these ranges replaced.
@@ -106,58 +124,6 @@ pub(super) fn replace_ranges(text: &str, mut edits: Vec<(Range<usize>, String)>)
         text.replace_range(range, &new);
     }
     text
-}
-
-/// The slices of a layout that are edited.
-#[derive(Deserialize)]
-#[serde(rename = "Layout")]
-struct RawLayout<'a> {
-    #[serde(borrow, default)]
-    boards: Vec<RawBoard<'a>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Board")]
-struct RawBoard<'a> {
-    #[serde(borrow)]
-    pose: &'a RawValue,
-}
-
-/// The slices of the numbers of a pose.
-#[derive(Deserialize)]
-#[serde(rename = "Pose")]
-struct RawPose<'a> {
-    #[serde(borrow)]
-    anchor: &'a RawValue,
-    #[serde(borrow, default)]
-    right_mm: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    forward_mm: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    height_mm: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    tilt_deg: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    scale: Option<&'a RawValue>,
-}
-
-impl<'a> RawPose<'a> {
-    fn field(&self, name: &str) -> Option<&'a RawValue> {
-        match name {
-            "right_mm" => self.right_mm,
-            "forward_mm" => self.forward_mm,
-            "height_mm" => self.height_mm,
-            "tilt_deg" => self.tilt_deg,
-            _ => self.scale,
-        }
-    }
-}
-
-/// Returns the bytes of a value in the text, without surrounding blanks and comments.
-pub(super) fn byte_range(text: &str, value: &RawValue) -> Range<usize> {
-    let value = value.trim().get_ron();
-    let start = byte_offset(text, value).expect("the value borrows from this text");
-    start..start + value.len()
 }
 
 /// Rounds to two decimals. 0 has no sign.
@@ -230,6 +196,15 @@ Layout(
             move_boards(&document(&text), &poses(&text), &Fit::default()).unwrap(),
             text
         );
+    }
+
+    #[test]
+    fn a_number_that_is_none_is_replaced() {
+        let text = COMMENTED.replace("Some(300)", "None");
+        let mut new_poses = poses(&text);
+        new_poses[0].forward = 0.2;
+        let moved = move_boards(&document(&text), &new_poses, &Fit::default()).unwrap();
+        assert_eq!(moved, COMMENTED.replace("Some(300)", "200"));
     }
 
     #[test]

@@ -2,12 +2,9 @@
 
 use std::ops::Range;
 
-use ron::value::RawValue;
-use serde::Deserialize;
-
-use super::edit::{byte_range, replace_ranges};
+use super::edit::{items_of, replace_ranges, stated, tree_of};
 use super::glove::Glove;
-use crate::document::{Document, DocumentError, parse_ron};
+use crate::document::{Document, DocumentError, Node, parse_ron};
 use crate::estimate::{ChannelMap, ChannelRow, CountRange, JointLimits};
 use crate::hand::{Dof, JointAngles};
 
@@ -21,51 +18,56 @@ pub fn write_calibration(
     rest: &JointAngles,
 ) -> Result<String, DocumentError> {
     let old = Glove::parse(document)?.map;
-    let raw: RawGlove = document.parse()?;
+    let (text, tree) = (&document.text, tree_of(document)?);
     let full_scale = f64::from(map.full_scale());
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
-    let mut edit = |field: &RawValue, new: String| {
-        edits.push((byte_range(&document.text, field), new));
-    };
-    let enabled = raw.rows.iter().filter(|row| row.disabled.is_none());
-    for ((raw_row, old_row), new) in enabled.zip(old.rows()).zip(map.rows()) {
+    let rows = items_of(&tree, text, "rows").iter().map(|item| &item.value);
+    let enabled = rows.filter(|row| stated(row, text, "disabled").is_none());
+    for ((row, old_row), new) in enabled.zip(old.rows()).zip(map.rows()) {
+        let mut edit = |field: &str, number: String| {
+            let old_number = row.field(text, field);
+            edits.extend(old_number.map(|node| (node.range.clone(), number)));
+        };
         if old_row.channel != new.channel {
-            edit(raw_row.channel, new.channel.to_string());
+            edit("channel", new.channel.to_string());
         }
         if old_row.calibration == new.calibration {
             continue;
         }
-        let offset_rad: f64 = parse_ron(raw_row.offset_rad.get_ron(), &document.file)?;
+        let Some(offset_rad) = row.field(text, "offset_rad") else {
+            continue;
+        };
+        let offset_rad: f64 = parse_ron(offset_rad.text(text), &document.file)?;
         let gain = written_gain(new.calibration.gain * full_scale);
-        edit(raw_row.full_scale_rad, gain.to_string());
+        edit("full_scale_rad", gain.to_string());
         let offset = offset_counts(new, gain / full_scale, offset_rad);
-        edit(raw_row.offset_counts, offset.to_string());
+        edit("offset_counts", offset.to_string());
     }
-    let mut set = |name: &str, old_value: Option<&RawValue>, entries: Vec<String>| {
-        edits.push(set_field(document, &raw, (name, old_value), &entries));
+    let mut set = |name: &str, entries: Vec<String>| {
+        edits.extend(set_field(text, &tree, name, &entries));
     };
     let counts_of =
         |(channel, counts): &(usize, f64)| format!("{channel}: {}", round(*counts, 1e2));
     if old.curvatures() != map.curvatures() {
         let entries = map.curvatures().iter().map(counts_of).collect();
-        set("curvature_counts", raw.curvature_counts, entries);
+        set("curvature_counts", entries);
     }
     if old.hystereses() != map.hystereses() {
         let entries = map.hystereses().iter().map(counts_of).collect();
-        set("hysteresis_counts", raw.hysteresis_counts, entries);
+        set("hysteresis_counts", entries);
     }
     if old.ranges() != map.ranges() {
         let entry = |(channel, (low, high)): &(usize, CountRange)| {
             format!("{channel}: ({}, {})", round(*low, 1e2), round(*high, 1e2))
         };
         let entries = map.ranges().iter().map(entry).collect();
-        set("range_counts", raw.range_counts, entries);
+        set("range_counts", entries);
     }
     if !rest.is_empty() {
         let entry = |(dof, radians): (_, f64)| format!("\"{dof}\": {}", degrees(dof, radians));
-        set("rest_deg", raw.rest_deg, rest.known().map(entry).collect());
+        set("rest_deg", rest.known().map(entry).collect());
     }
-    Ok(replace_ranges(&document.text, edits))
+    Ok(replace_ranges(text, edits))
 }
 
 /// Returns a gain with four decimals that a glove file accepts: not 0.
@@ -84,19 +86,17 @@ fn offset_counts(row: &ChannelRow, gain: f64, offset_rad: f64) -> f64 {
 
 /// Returns the edit that sets a map: in place of the old one, or after the full scale.
 fn set_field(
-    document: &Document,
-    raw: &RawGlove,
-    (name, old): (&str, Option<&RawValue>),
+    text: &str,
+    glove: &Node,
+    name: &str,
     entries: &[String],
-) -> (Range<usize>, String) {
+) -> Option<(Range<usize>, String)> {
     let value = format!("{{{}}}", entries.join(", "));
-    match old {
-        Some(old) => (byte_range(&document.text, old), value),
-        None => {
-            let end = byte_range(&document.text, raw.full_scale_counts).end;
-            (end..end, format!(",\n    {name}: {value}"))
-        }
+    if let Some(old) = glove.field(text, name) {
+        return Some((old.range.clone(), value));
     }
+    let end = glove.field(text, "full_scale_counts")?.range.end;
+    Some((end..end, format!(",\n    {name}: {value}")))
 }
 
 /// Returns an angle in degrees with one decimal, within the limits of its joint.
@@ -110,39 +110,6 @@ fn degrees(dof: Dof, radians: f64) -> f64 {
 /// Rounds to a multiple of 1/`scale`. 0 has no sign.
 fn round(value: f64, scale: f64) -> f64 {
     (value * scale).round() / scale + 0.0
-}
-
-/// The slices of a glove that are edited.
-#[derive(Deserialize)]
-#[serde(rename = "Glove")]
-struct RawGlove<'a> {
-    #[serde(borrow)]
-    full_scale_counts: &'a RawValue,
-    #[serde(borrow, default)]
-    curvature_counts: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    hysteresis_counts: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    range_counts: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    rest_deg: Option<&'a RawValue>,
-    #[serde(borrow)]
-    rows: Vec<RawRow<'a>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Row")]
-struct RawRow<'a> {
-    #[serde(borrow)]
-    channel: &'a RawValue,
-    #[serde(borrow)]
-    offset_counts: &'a RawValue,
-    #[serde(borrow)]
-    full_scale_rad: &'a RawValue,
-    #[serde(borrow)]
-    offset_rad: &'a RawValue,
-    #[serde(borrow, default)]
-    disabled: Option<&'a RawValue>,
 }
 
 #[cfg(test)]

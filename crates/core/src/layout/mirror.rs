@@ -2,12 +2,9 @@
 
 use std::ops::Range;
 
-use ron::value::RawValue;
-use serde::Deserialize;
-
-use super::edit::{byte_range, replace_ranges};
+use super::edit::{items_of, replace_ranges, stated, tree_of};
 use super::load::LayoutSchema;
-use crate::document::{Document, DocumentError, parse_ron};
+use crate::document::{Document, DocumentError, Item, Node, parse_ron};
 use crate::hand::Side;
 
 /// Returns the text of a layout for the other hand: the poses of boards, boxes and spaces are mirrored, and boards are reserved
@@ -17,7 +14,7 @@ use crate::hand::Side;
 /// are reversed. Returns an error if the text is not a layout, or has boards for both hands.
 pub fn mirror_layout(document: &Document) -> Result<String, DocumentError> {
     let schema: LayoutSchema = document.parse()?;
-    let raw: RawLayout = document.parse()?;
+    let (text, tree) = (&document.text, tree_of(document)?);
     let mut sides = schema.boards.iter().filter_map(|board| board.hand);
     let side = sides.next();
     if sides.any(|other| Some(other) != side) {
@@ -29,24 +26,26 @@ pub fn mirror_layout(document: &Document) -> Result<String, DocumentError> {
         document,
         list: Vec::new(),
     };
-    for board in &raw.boards {
-        edits.mirror_board(board, side)?;
+    for board in items_of(&tree, text, "boards") {
+        edits.mirror_board(&board.value, side);
     }
-    if let Some(pointer) = &raw.pointer {
-        edits.mirror_pointer(&pointer.mode)?;
+    let pointer = tree.field(text, "pointer");
+    if let Some(mode) = pointer.and_then(|pointer| pointer.field(text, "mode")) {
+        edits.mirror_pointer(mode);
     }
-    let pointer_hand = raw.pointer.iter().filter_map(|pointer| pointer.hand);
-    let trigger_hands = raw.triggers.iter().filter_map(|trigger| trigger.hand);
-    for hand in pointer_hand.chain(trigger_hands) {
-        edits.exchange_hand(hand)?;
-    }
-    for space in &raw.spaces {
-        edits.mirror_pose(space.pose)?;
-        for target in &space.targets {
-            edits.negate(target.at_mm.0);
+    let triggers = items_of(&tree, text, "triggers").iter();
+    for owner in pointer.into_iter().chain(triggers.map(|item| &item.value)) {
+        if let Some(hand) = stated(owner, text, "hand") {
+            edits.exchange_hand(hand)?;
         }
     }
-    Ok(replace_ranges(&document.text, edits.list))
+    for space in items_of(&tree, text, "spaces") {
+        edits.mirror_pose(&space.value);
+        for target in items_of(&space.value, text, "targets") {
+            edits.negate(target.value.at(text, ["at_mm", "0"]));
+        }
+    }
+    Ok(replace_ranges(text, edits.list))
 }
 
 /// The replacements in a text.
@@ -55,71 +54,66 @@ struct Edits<'a> {
     list: Vec<(Range<usize>, String)>,
 }
 
-impl<'a> Edits<'a> {
-    fn mirror_board(&mut self, board: &RawBoard<'a>, side: Side) -> Result<(), DocumentError> {
-        self.mirror_pose(board.pose)?;
+impl Edits<'_> {
+    fn mirror_board(&mut self, board: &Node, side: Side) {
+        self.mirror_pose(board);
+        let text = &self.document.text;
         let quoted = format!("\"{side}\"");
-        match board.hand {
-            Some(hand) => self.replace(hand, quoted),
-            None => {
-                let end = byte_range(&self.document.text, board.pose).end;
-                self.list.push((end..end, format!(", hand: {quoted}")));
-            }
+        if let Some(hand) = board.field(text, "hand") {
+            self.replace(hand, quoted);
+        } else if let Some(pose) = board.field(text, "pose") {
+            let end = pose.range.end;
+            self.list.push((end..end, format!(", hand: {quoted}")));
         }
-        if board.keys.iter().any(|key| key.finger.is_some()) {
-            for key in &board.keys {
-                self.negate(key.at_mm.0);
+        let keys = items_of(board, text, "keys");
+        let has_finger = |key: &Item| stated(&key.value, text, "finger").is_some();
+        if keys.iter().any(has_finger) {
+            for key in keys {
                 // A mirror keeps rotations about x, and reverses the others.
-                if let Some((_, about_y, about_z)) = key.rotation_deg {
-                    self.negate(about_y);
-                    self.negate(about_z);
+                for sideways in [["at_mm", "0"], ["rotation_deg", "1"], ["rotation_deg", "2"]] {
+                    self.negate(key.value.at(text, sideways));
                 }
             }
         }
-        Ok(())
     }
 
-    fn mirror_pose(&mut self, pose: &'a RawValue) -> Result<(), DocumentError> {
-        let pose: RawPose = parse_ron(pose.get_ron(), &self.document.file)?;
-        for sideways in [pose.bearing_deg, pose.right_mm].into_iter().flatten() {
-            self.negate(sideways);
+    /// Mirrors the field `pose` of a part.
+    fn mirror_pose(&mut self, part: &Node) {
+        for sideways in ["bearing_deg", "right_mm"] {
+            self.negate(part.at(&self.document.text, ["pose", sideways]));
         }
-        Ok(())
     }
 
-    fn mirror_pointer(&mut self, mode: &RawMode<'a>) -> Result<(), DocumentError> {
-        match mode {
-            RawMode::Direct { pose }
-            | RawMode::Ray { pose }
-            | RawMode::Rate {
-                input: RawDisplacement::Fingertip { pose },
-            } => self.mirror_pose(pose),
-            RawMode::Joint { x }
-            | RawMode::Rate {
-                input: RawDisplacement::Angles { x },
-            } => {
-                self.replace(x.from_deg, x.to_deg.trim().get_ron().to_owned());
-                self.replace(x.to_deg, x.from_deg.trim().get_ron().to_owned());
-                Ok(())
+    fn mirror_pointer(&mut self, mode: &Node) {
+        let text = &self.document.text;
+        let input = mode.field(text, "input").unwrap_or(mode);
+        match input.name(text) {
+            Some("Direct" | "Ray" | "Fingertip") => self.mirror_pose(input),
+            Some("Joint" | "Angles") => {
+                let end = |name| input.at(text, ["x", name]);
+                if let (Some(from), Some(to)) = (end("from_deg"), end("to_deg")) {
+                    self.replace(from, to.text(text).to_owned());
+                    self.replace(to, from.text(text).to_owned());
+                }
             }
-            // The motions are in the frame of the world, and a stick is not mirrored with the hand.
-            RawMode::Arm {}
-            | RawMode::Rate {
-                input: RawDisplacement::Stick,
-            } => Ok(()),
+            // The motions of `Arm` are in the frame of the world, and a stick is not mirrored with the hand.
+            _ => {}
         }
     }
 
     /// Replaces the name of a hand by the name of the other one.
-    fn exchange_hand(&mut self, hand: &'a RawValue) -> Result<(), DocumentError> {
-        let side: Side = parse_ron(hand.get_ron(), &self.document.file)?;
+    fn exchange_hand(&mut self, hand: &Node) -> Result<(), DocumentError> {
+        let side: Side = parse_ron(hand.text(&self.document.text), &self.document.file)?;
         self.replace(hand, format!("\"{}\"", side.opposite()));
         Ok(())
     }
 
-    /// Changes the sign of a number, unless it is 0.
-    fn negate(&mut self, number: &'a RawValue) {
-        let text = number.trim().get_ron();
+    /// Changes the sign of a number that is written, unless it is 0.
+    fn negate(&mut self, number: Option<&Node>) {
+        let Some(number) = number else {
+            return;
+        };
+        let text = number.text(&self.document.text);
         if text.parse() == Ok(0.0) {
             return;
         }
@@ -130,132 +124,9 @@ impl<'a> Edits<'a> {
         self.replace(number, negated);
     }
 
-    fn replace(&mut self, value: &'a RawValue, new: String) {
-        self.list
-            .push((byte_range(&self.document.text, value), new));
+    fn replace(&mut self, value: &Node, new: String) {
+        self.list.push((value.range.clone(), new));
     }
-}
-
-/// The slices of a layout that are mirrored.
-#[derive(Deserialize)]
-#[serde(rename = "Layout")]
-struct RawLayout<'a> {
-    #[serde(borrow, default)]
-    boards: Vec<RawBoard<'a>>,
-    #[serde(borrow, default)]
-    triggers: Vec<RawTrigger<'a>>,
-    #[serde(borrow, default)]
-    pointer: Option<RawPointer<'a>>,
-    #[serde(borrow, default)]
-    spaces: Vec<RawSpace<'a>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Board")]
-struct RawBoard<'a> {
-    #[serde(borrow)]
-    pose: &'a RawValue,
-    #[serde(borrow, default)]
-    hand: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    keys: Vec<RawKey<'a>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Key")]
-struct RawKey<'a> {
-    #[serde(borrow, default)]
-    finger: Option<&'a RawValue>,
-    #[serde(borrow)]
-    at_mm: (&'a RawValue, &'a RawValue),
-    #[serde(borrow, default)]
-    rotation_deg: Option<(&'a RawValue, &'a RawValue, &'a RawValue)>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Trigger")]
-struct RawTrigger<'a> {
-    #[serde(borrow, default)]
-    hand: Option<&'a RawValue>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Pose")]
-struct RawPose<'a> {
-    #[serde(borrow, default)]
-    bearing_deg: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    right_mm: Option<&'a RawValue>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Pointer")]
-struct RawPointer<'a> {
-    #[serde(borrow, default)]
-    hand: Option<&'a RawValue>,
-    #[serde(borrow)]
-    mode: RawMode<'a>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "PointingMode")]
-enum RawMode<'a> {
-    Joint {
-        #[serde(borrow)]
-        x: RawAngle<'a>,
-    },
-    Direct {
-        #[serde(borrow)]
-        pose: &'a RawValue,
-    },
-    Ray {
-        #[serde(borrow)]
-        pose: &'a RawValue,
-    },
-    Rate {
-        #[serde(borrow)]
-        input: RawDisplacement<'a>,
-    },
-    Arm {},
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Displacement")]
-enum RawDisplacement<'a> {
-    Fingertip {
-        #[serde(borrow)]
-        pose: &'a RawValue,
-    },
-    Angles {
-        #[serde(borrow)]
-        x: RawAngle<'a>,
-    },
-    Stick,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "AngleMapping")]
-struct RawAngle<'a> {
-    #[serde(borrow)]
-    from_deg: &'a RawValue,
-    #[serde(borrow)]
-    to_deg: &'a RawValue,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Space")]
-struct RawSpace<'a> {
-    #[serde(borrow)]
-    pose: &'a RawValue,
-    #[serde(borrow)]
-    targets: Vec<RawTarget<'a>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Target")]
-struct RawTarget<'a> {
-    #[serde(borrow)]
-    at_mm: (&'a RawValue, &'a RawValue, &'a RawValue),
 }
 
 #[cfg(test)]
@@ -300,6 +171,14 @@ mod tests {
             .replace("right_mm: 5", "right_mm: -5");
         assert_eq!(mirrored(text).as_deref(), Ok(&*expected));
         assert_eq!(mirrored(&expected).as_deref(), Ok(text));
+    }
+
+    #[test]
+    fn a_board_whose_hand_is_none_gets_the_left_one() {
+        let text = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), hand: None, \
+                    rows: [(at_mm: (0, 0), keys: \"A\")])])";
+        let expected = text.replace("None", "\"left\"");
+        assert_eq!(mirrored(text).as_deref(), Ok(&*expected));
     }
 
     #[test]

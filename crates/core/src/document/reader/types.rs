@@ -152,11 +152,7 @@ accept! {
         Some(value) => visit_some,
     }
     unit { Unit => visit_unit, }
-    // The values of `RawValue` are texts of RON.
-    newtype {
-        Newtype(value) => visit_newtype_struct,
-        Borrowed(value) => visit_borrowed_str,
-    }
+    newtype { Newtype(value) => visit_newtype_struct, }
     list { List(elements) => visit_seq, }
     map { Map(entries) => visit_map, }
     variant { Enum(value) => visit_enum, }
