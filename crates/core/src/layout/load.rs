@@ -269,7 +269,7 @@ impl<'a> LayoutSchema<'a> {
             builder.collect(labelled)?;
         }
         // Declared layers have their indices from the file.
-        let has_all_layers = builder.layers().len() == self.layers.len() + 1;
+        let has_all_layers = builder.layers.len() == self.layers.len() + 1;
         if has_all_layers {
             for (index, layer) in self.layers.iter().enumerate() {
                 layer.build(builder, index + 1)?;
@@ -329,7 +329,7 @@ impl<'a> BoardSchema<'a> {
     ) -> Result<(), DocumentError> {
         if self.hand.is_none() && self.pose.anchor == AnchorSchema::Other {
             let message = "a board with `anchor: other` is for one hand, set its `hand`";
-            return Err(builder.error(builder.name().text, message));
+            return Err(builder.error(builder.name.text, message));
         }
         let fit = builder.pose_fit(&self.pose, self.hand);
         builder.begin_board(BoardSettings {

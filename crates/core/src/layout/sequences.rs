@@ -57,12 +57,12 @@ pub(super) fn build_sequence<'a>(
         let message = format!("duplicate sequence `{}`", name.text);
         return Err(builder.error(name.text, message));
     }
-    if builder.sequence_count() == MAX_SEQUENCES {
+    if builder.sequences.len() == MAX_SEQUENCES {
         let message = format!("a layout has at most {MAX_SEQUENCES} sequences");
         return Err(builder.error(name.text, message));
     }
     let built = compile(builder, name, steps);
-    builder.add_sequence(Sequence {
+    builder.sequences.push(Sequence {
         name: name.text.to_owned(),
         steps: built.as_ref().map_or(Vec::new(), Vec::clone),
     });

@@ -2,9 +2,7 @@
 
 use super::LayoutBuilder;
 use crate::command::{Command, InvalidCommand};
-use crate::device::{
-    KeyAction, KeyCode, Latch, Multitap, MultitapId, Sequence, SequenceId, TextId,
-};
+use crate::device::{KeyAction, KeyCode, Latch, Multitap, MultitapId, SequenceId, TextId};
 use crate::document::{DocumentError, Spanned};
 use crate::layout::model::action_label;
 use crate::layout::multitap::build_multitap;
@@ -134,16 +132,6 @@ impl<'a> LayoutBuilder<'a> {
             let count = usize::from(u16::MAX) + 1;
             self.error(source, format!("a layout has at most {count} {what}"))
         })
-    }
-
-    /// Adds a sequence. Its index fits: a layout has few.
-    pub fn add_sequence(&mut self, sequence: Sequence) {
-        self.sequences.push(sequence);
-    }
-
-    /// Returns the number of sequences that were added.
-    pub fn sequence_count(&self) -> usize {
-        self.sequences.len()
     }
 
     /// Returns the sequence with this name.

@@ -156,7 +156,7 @@ impl<'a> LayoutBuilder<'a> {
             settings,
             first_key: self.keys.len(),
             first_control: self.controls.len(),
-            failed_before: self.failed(),
+            failed_before: self.failed,
             ..BoardDraft::default()
         };
     }
@@ -230,7 +230,7 @@ impl<'a> LayoutBuilder<'a> {
     }
 
     fn empty_board(&self, draft: &BoardDraft) -> Result<(), DocumentError> {
-        if self.failed() > draft.failed_before {
+        if self.failed > draft.failed_before {
             return Err(self.consequence());
         }
         let message = format!("board {} has no keys", self.boards.len() + 1);
@@ -261,19 +261,6 @@ impl<'a> LayoutBuilder<'a> {
             release_at: board.release_at,
             margin: TREMOR_MARGIN,
             is_key: false,
-        }
-    }
-
-    /// Returns the face of a key with the defaults of the board.
-    pub fn key_face_spec(
-        &self,
-        name: Spanned<'a>,
-        label: &Option<Label>,
-        at_mm: (Offset, Offset),
-    ) -> FaceSpec<'a> {
-        FaceSpec {
-            is_key: true,
-            ..self.face_spec("key", name, label, at_mm)
         }
     }
 
@@ -379,7 +366,7 @@ impl<'a> LayoutBuilder<'a> {
     fn check_contact(&self, side: Option<Side>, draft: &BoardDraft) -> Result<(), DocumentError> {
         let name = self.name.text;
         let is_bent = draft.settings.contact == ContactSchema::Bend;
-        if self.failed() > draft.failed_before {
+        if self.failed > draft.failed_before {
             return Err(self.consequence());
         }
         if is_bent && draft.bent_by.len() != draft.targets.len() {
@@ -406,7 +393,7 @@ impl<'a> LayoutBuilder<'a> {
         for &(first, second) in &pairs {
             let (outline, target, first) = faces[first];
             let (other, other_target, second) = faces[second];
-            let line = line_number(self.text(), first.slice);
+            let line = line_number(&self.document.text, first.slice);
             let depth_mm = (f64::from(outline.overlap_depth(&other)) * 1e5).round() / 1e2;
             let message = format!(
                 "the {} `{}` overlaps the {} `{}` of line {line} by {depth_mm} mm",

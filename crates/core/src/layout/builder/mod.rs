@@ -30,31 +30,35 @@ use crate::device::signals::{MidiKind, Signal, Signals};
 use crate::device::trigger::Trigger;
 use crate::device::{Axis, KeyCode, Multitap, Multitaps, Sequence};
 use crate::document::{Document, DocumentError, DocumentFault, Spanned, byte_offset, line_number};
-use crate::hand::{Finger, Side};
+use crate::hand::Side;
 use crate::names::UnknownName;
 
-/// A layout that is being built.
+/// A layout that is being built. Its parts are added to the public lists; names, targets and errors have methods.
 pub(super) struct LayoutBuilder<'a> {
-    document: &'a Document,
-    name: Spanned<'a>,
+    pub document: &'a Document,
+    /// The name of the layout, also for errors about the layout as a whole.
+    pub name: Spanned<'a>,
     fit: Fit,
-    scene: Scene,
+    pub scene: Scene,
     boards: Vec<Board>,
-    keys: Vec<Key>,
-    controls: Vec<Control>,
-    layers: Vec<String>,
+    pub keys: Vec<Key>,
+    pub controls: Vec<Control>,
+    /// The layers that were declared, base layer first.
+    pub layers: Vec<String>,
     /// Indices of the layers that an action activates.
     activated_layers: BTreeSet<usize>,
     texts: Vec<String>,
-    sequences: Vec<Sequence>,
+    /// The sequences. There are few, so that their indices fit a [`SequenceId`](crate::device::SequenceId).
+    pub sequences: Vec<Sequence>,
     multitaps: Vec<Multitap>,
     profiles: Vec<String>,
-    chords: Vec<Chord>,
-    triggers: Vec<(String, Trigger)>,
-    shapes: Vec<(TargetId, Shape)>,
-    pointer: Option<PointerSettings>,
-    spaces: Vec<SpaceTargets>,
-    signals: Vec<(TargetId, Signal)>,
+    pub chords: Vec<Chord>,
+    pub triggers: Vec<(String, Trigger)>,
+    /// The shapes of triggers.
+    pub shapes: Vec<(TargetId, Shape)>,
+    pub pointer: Option<PointerSettings>,
+    pub spaces: Vec<SpaceTargets>,
+    pub signals: Vec<(TargetId, Signal)>,
     has_text_commands: bool,
     /// The board that faces are added to.
     board: BoardDraft<'a>,
@@ -236,45 +240,15 @@ impl<'a> LayoutBuilder<'a> {
         self.document.error_at(source, message)
     }
 
-    /// Returns the text of the document.
-    pub fn text(&self) -> &'a str {
-        &self.document.text
-    }
-
-    /// Returns the name of the layout, for errors about the layout as a whole.
-    pub fn name(&self) -> Spanned<'a> {
-        self.name
-    }
-
     /// Returns the fit of a board or volume that is reserved for a hand, if any.
     pub fn pose_fit(&self, pose: &PoseSchema, side: Option<Side>) -> PoseFit {
         self.fit.of(pose, side)
     }
 
-    /// Returns the keys that were added.
-    pub fn keys(&self) -> &[Key] {
-        &self.keys
-    }
-
-    /// Returns the layers that were declared, base layer first.
-    pub fn layers(&self) -> &[String] {
-        &self.layers
-    }
-
-    /// Returns the chords that were added.
-    pub fn chords(&self) -> &[Chord] {
-        &self.chords
-    }
-
-    /// Returns the triggers that were added, with their names.
-    pub fn triggers(&self) -> &[(String, Trigger)] {
-        &self.triggers
-    }
-
     /// Records that a control sets an axis, and reports a second one. Two controls would overwrite each other's position.
     pub fn claim_axis(&mut self, axis: Axis, name: Spanned<'a>) {
         if let Some((_, first)) = self.axes.iter().find(|(other, _)| *other == axis) {
-            let line = line_number(self.text(), first.text);
+            let line = line_number(&self.document.text, first.text);
             let message =
                 format!("the control in line {line} sets the axis `{axis}` too, name another axis");
             let error = self.error(name.text, message);
@@ -345,11 +319,6 @@ impl<'a> LayoutBuilder<'a> {
         Err(self.error(name, format!("this layout has no such control: {error}")))
     }
 
-    /// Returns the signals that were added.
-    pub fn signals(&self) -> impl Iterator<Item = &(TargetId, Signal)> {
-        self.signals.iter()
-    }
-
     /// Adds the signal of a target. A key with one reports what the signal sends.
     pub fn add_signal(
         &mut self,
@@ -377,25 +346,10 @@ impl<'a> LayoutBuilder<'a> {
         Ok(())
     }
 
-    /// Returns the key with this index, to change it.
-    pub fn key_mut(&mut self, index: usize) -> &mut Key {
-        &mut self.keys[index]
-    }
-
     /// Returns the position of a key in the file.
     pub fn key_source(&self, key: &Key) -> &'a str {
         let source = self.sources.get(key.face.target.0 as usize);
         source.copied().unwrap_or(self.name.text)
-    }
-
-    /// Makes a target for a finger.
-    pub fn set_finger(&mut self, target: TargetId, finger: Finger) {
-        self.scene.set_finger(target, finger);
-    }
-
-    /// Adds a control to the current board.
-    pub fn add_control(&mut self, control: Control) {
-        self.controls.push(control);
     }
 
     /// Adds a control with one face to the current board. `kind` gets the target of the face.
@@ -407,43 +361,8 @@ impl<'a> LayoutBuilder<'a> {
         let face = self.add_face(spec)?;
         let kind = kind(face.target);
         let faces = vec![face];
-        self.add_control(Control { faces, kind });
+        self.controls.push(Control { faces, kind });
         Ok(())
-    }
-
-    /// Adds a chord.
-    pub fn add_chord(&mut self, chord: Chord) {
-        self.chords.push(chord);
-    }
-
-    /// Returns the chord with this index, to change it.
-    pub fn chord_mut(&mut self, index: usize) -> &mut Chord {
-        &mut self.chords[index]
-    }
-
-    /// Adds a trigger whose target is registered.
-    pub fn add_trigger(&mut self, name: &str, trigger: Trigger) {
-        self.triggers.push((name.to_owned(), trigger));
-    }
-
-    /// Adds the shape of a trigger.
-    pub fn add_shape(&mut self, target: TargetId, shape: Shape) {
-        self.shapes.push((target, shape));
-    }
-
-    /// Returns the file.
-    pub fn document(&self) -> &'a Document {
-        self.document
-    }
-
-    /// Adds the pointer, whose target is registered.
-    pub fn set_pointer(&mut self, pointer: PointerSettings) {
-        self.pointer = Some(pointer);
-    }
-
-    /// Adds targets in space that are registered.
-    pub fn add_space(&mut self, space: SpaceTargets) {
-        self.spaces.push(space);
     }
 
     /// Registers a target, and returns its id. Reports a name that is taken.
@@ -461,7 +380,7 @@ impl<'a> LayoutBuilder<'a> {
         let id = TargetId(index as u32);
         self.sources.push(source);
         if let Some(other) = self.targets.get(name) {
-            let line = line_number(self.text(), other.source);
+            let line = line_number(&self.document.text, other.source);
             let remedy = if self.is_in_list(source) {
                 "list it in `keys` with another `name`"
             } else {
@@ -488,8 +407,9 @@ impl<'a> LayoutBuilder<'a> {
 
     /// Returns `true` if `source` is one of several names in one text, such as the keys of a row.
     fn is_in_list(&self, source: &str) -> bool {
-        byte_offset(self.text(), source).is_some_and(|start| {
-            let (before, after) = (&self.text()[..start], &self.text()[start + source.len()..]);
+        let text = &self.document.text;
+        byte_offset(text, source).is_some_and(|start| {
+            let (before, after) = (&text[..start], &text[start + source.len()..]);
             !before.ends_with('"') || !after.starts_with('"')
         })
     }

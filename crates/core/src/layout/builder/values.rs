@@ -39,7 +39,7 @@ impl LayoutBuilder<'_> {
             }
             Entry::Occupied(entry) => {
                 let other = *entry.get();
-                let line = line_number(self.text(), other.source);
+                let line = line_number(&self.document.text, other.source);
                 let message = format!(
                     "its value `{}` has the name of a {} in line {line}, set another `name`",
                     value.name, other.kind

@@ -91,7 +91,7 @@ impl<'a> RadioSchema<'a> {
             .initial
             .map(|name| self.initial_index(builder, name, &options))
             .transpose()?;
-        builder.add_control(Control {
+        builder.controls.push(Control {
             faces,
             kind: ControlKind::Radio(Radio { options, initial }),
         });

@@ -88,7 +88,7 @@ impl<'a> SpaceSchema<'a> {
         }
         let Some(first_target) = first_target else {
             let message = format!("space {number} has no targets");
-            return Err(builder.error(builder.name().text, message));
+            return Err(builder.error(builder.name.text, message));
         };
         let space = SelectionSpace {
             frame,
@@ -96,7 +96,7 @@ impl<'a> SpaceSchema<'a> {
             volumes: VolumeSet::new(volumes),
             actions,
         };
-        builder.add_space(SpaceTargets { names, space });
+        builder.spaces.push(SpaceTargets { names, space });
         Ok(())
     }
 }

@@ -187,7 +187,7 @@ pub(super) fn check_unlocks(
     }
     let message = format!(
         "the {name} locks the layer `{}` and must unlock it too, so it cannot have another action there",
-        builder.layers()[layer]
+        builder.layers[layer]
     );
     Err(builder.error(source, message))
 }

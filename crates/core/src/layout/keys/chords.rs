@@ -82,9 +82,9 @@ impl<'a> ChordSchema<'a> {
             ref actions,
             activation,
             ..
-        } = builder.chords()[index];
+        } = builder.chords[index];
         if actions.len() > layer {
-            let layer = &builder.layers()[layer];
+            let layer = &builder.layers[layer];
             let message = format!("duplicate chord in the layer `{layer}`");
             return Err(builder.error(names, message));
         }
@@ -97,7 +97,7 @@ impl<'a> ChordSchema<'a> {
             layer,
         )?;
         check_action(builder, names, action, activation)?;
-        let slots = &mut builder.chord_mut(index).actions;
+        let slots = &mut builder.chords[index].actions;
         slots.resize(layer, None);
         slots.push(Some(action));
         Ok(())
@@ -121,11 +121,11 @@ impl<'a> ChordSchema<'a> {
         actions: Vec<Option<KeyAction>>,
         activation: Activation,
     ) -> Result<(), DocumentError> {
-        if builder.chords().len() == MAX_CHORDS {
+        if builder.chords.len() == MAX_CHORDS {
             let message = format!("a layout has at most {MAX_CHORDS} chords");
             return Err(builder.error(self.keys.text, message));
         }
-        builder.add_chord(Chord {
+        builder.chords.push(Chord {
             keys,
             actions,
             activation,
@@ -142,7 +142,7 @@ impl<'a> ChordSchema<'a> {
     fn targets(&self, builder: &LayoutBuilder<'a>) -> Result<Vec<TargetId>, DocumentError> {
         let mut keys: Vec<TargetId> = Vec::new();
         for name in self.keys.text.split_whitespace() {
-            let key = &builder.keys()[builder.key_index(name)?];
+            let key = &builder.keys[builder.key_index(name)?];
             if let Activation::Dwell(_) = key.activation {
                 let message = format!(
                     "the key `{name}` activates by dwelling and cannot take part in chords"
@@ -168,13 +168,13 @@ impl<'a> ChordSchema<'a> {
 
 /// Returns the index of the chord with these keys, which are sorted.
 fn chord_index(builder: &LayoutBuilder, keys: &[TargetId]) -> Option<usize> {
-    let mut chords = builder.chords().iter();
+    let mut chords = builder.chords.iter();
     chords.position(|chord| chord.keys == keys)
 }
 
 /// Returns the number of keys that take part in chords.
 fn chord_keys(builder: &LayoutBuilder) -> usize {
-    let chords = builder.chords().iter();
+    let chords = builder.chords.iter();
     let mut keys: Vec<&TargetId> = chords.flat_map(|chord| &chord.keys).collect();
     keys.sort_unstable();
     keys.dedup();
@@ -184,15 +184,16 @@ fn chord_keys(builder: &LayoutBuilder) -> usize {
 /// Reports keys that have no action in any layer and take part in no chord.
 pub(in crate::layout) fn report_idle_keys(builder: &mut LayoutBuilder) {
     let is_idle = |key: &&Key| {
-        let mut chords = builder.chords().iter();
+        let mut chords = builder.chords.iter();
         key.actions.iter().all(Option::is_none)
             && key.output == ValueOutput::ValueOnly
             && builder
-                .signals()
+                .signals
+                .iter()
                 .all(|(other, _)| *other != key.face.target)
             && !chords.any(|chord| chord.keys.contains(&key.face.target))
     };
-    let idle = builder.keys().iter().filter(is_idle);
+    let idle = builder.keys.iter().filter(is_idle);
     let error = |key: &Key| {
         let message = format!(
             "the key `{}` has no action and takes part in no chord, remove it",

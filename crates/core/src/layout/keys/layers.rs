@@ -67,8 +67,8 @@ impl<'a> LayerSchema<'a> {
         let index = builder.key_index(name.text)?;
         let source = action.argument().unwrap_or(name).text;
         let action = builder.action(action, None)?;
-        check_layer_action(builder, &builder.keys()[index], source, action, layer)?;
-        let actions = &mut builder.key_mut(index).actions;
+        check_layer_action(builder, &builder.keys[index], source, action, layer)?;
+        let actions = &mut builder.keys[index].actions;
         if actions.len() > layer {
             let message = format!(
                 "duplicate key `{}` in the layer `{}`",

@@ -205,7 +205,8 @@ impl<'a> RowSchema<'a> {
             label: builder.default_label(action, name),
             row_offset: pitch * column as f32,
             size: self.size_mm.unwrap_or(builder.board().size),
-            ..builder.key_face_spec(code, &None, self.at_mm)
+            is_key: true,
+            ..builder.face_spec("key", code, &None, self.at_mm)
         };
         let face = builder.add_face(face)?;
         let key = Key {
@@ -268,7 +269,7 @@ impl<'a> KeySchema<'a> {
                     let added = builder.add_bent_finger(self.name.text, finger);
                     builder.keep_error(added)?;
                 }
-                _ => builder.set_finger(face.target, finger),
+                _ => builder.scene.set_finger(face.target, finger),
             }
         }
         let key = Key {
@@ -321,7 +322,8 @@ impl<'a> KeySchema<'a> {
             travel: fields.travel_mm.unwrap_or(board.travel),
             press_at: fields.press_at.unwrap_or(board.press_at),
             release_at: fields.release_at.unwrap_or(board.release_at),
-            ..builder.key_face_spec(self.name, &None, fields.at_mm)
+            is_key: true,
+            ..builder.face_spec("key", self.name, &None, fields.at_mm)
         }
     }
 }

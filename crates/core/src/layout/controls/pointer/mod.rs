@@ -181,7 +181,7 @@ impl<'a> PointerSchema<'a> {
             depth: self.depth(builder)?,
             axes: self.axes(builder)?,
         };
-        builder.set_pointer(settings);
+        builder.pointer = Some(settings);
         Ok(())
     }
 
@@ -258,7 +258,7 @@ impl<'a> PointerSchema<'a> {
 
 /// Returns the field name `pointer` in the file, for errors about the pointer as a whole.
 fn source<'a>(builder: &LayoutBuilder<'a>) -> &'a str {
-    let text = builder.text();
+    let text = &builder.document.text;
     let is_field = |offset: &usize| {
         text[..*offset]
             .trim_end_matches([' ', '\t'])
@@ -267,7 +267,7 @@ fn source<'a>(builder: &LayoutBuilder<'a>) -> &'a str {
     let mut offsets = text.match_indices("pointer:").map(|(offset, _)| offset);
     match offsets.find(is_field) {
         Some(offset) => &text[offset..offset + POINTER.len()],
-        None => builder.name().text,
+        None => builder.name.text,
     }
 }
 

@@ -390,7 +390,7 @@ fn sequence(
         let Some(target) = targets.get_mut(index) else {
             return error(format!("a sequence has at most {MAX_STEPS} steps"));
         };
-        let others = || builder.triggers().iter();
+        let others = || builder.triggers.iter();
         let Some((_, step)) = others().find(|(other, _)| other == name.text) else {
             // A trigger that was not added has an error, unless it is the sequence itself.
             let is_trigger = matches!(builder.target(name.text), Ok((_, "trigger")));

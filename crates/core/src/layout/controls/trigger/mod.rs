@@ -64,7 +64,7 @@ impl<'a> TriggerSchema<'a> {
     pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
         let name = self.name.text;
         let target = builder.add_target("trigger", name, name)?;
-        if builder.triggers().len() == MAX_TRIGGERS {
+        if builder.triggers.len() == MAX_TRIGGERS {
             let message = format!("a layout has at most {MAX_TRIGGERS} triggers");
             return Err(builder.error(name, message));
         }
@@ -104,10 +104,10 @@ impl<'a> TriggerSchema<'a> {
             output,
         };
         if let Some(shape) = &self.shape {
-            let shape = shape.build(builder.document())?;
-            builder.add_shape(target, shape);
+            let shape = shape.build(builder.document)?;
+            builder.shapes.push((target, shape));
         }
-        builder.add_trigger(name, trigger);
+        builder.triggers.push((name.to_owned(), trigger));
         Ok(())
     }
 
@@ -136,7 +136,7 @@ fn check_hands(
     side: Option<Side>,
     steps: &Steps,
 ) -> Result<(), DocumentError> {
-    let triggers = builder.triggers().iter();
+    let triggers = builder.triggers.iter();
     let mut steps = triggers.filter(|(_, it)| steps.targets.contains(&Some(it.target)));
     let other = steps.find(|(_, it)| it.side.is_some() && it.side != side);
     other.map_or(Ok(()), |(step, it)| {
