@@ -2,8 +2,7 @@
 
 use ademan::capture::Reading;
 use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
-use ademan::capture::protocol::text_line::{self, TextLineDecoder};
-use ademan::capture::protocol::{Decoder, InvalidPacket};
+use ademan::capture::protocol::{Decoder, InvalidPacket, text_line};
 use ademan::device::{EventKind, Events};
 use ademan::estimate::{
     AffineMap, ChannelMap, ChannelRow, Estimator, EstimatorSettings, Rejection, Smoothing,
@@ -100,7 +99,7 @@ fn lines_that_a_network_loses_doubles_and_reorders_add_no_press() {
     let mut random = fastrand::Rng::with_seed(20);
     let mut typed = 0;
     for round in 0..20 {
-        let mut decoder = TextLineDecoder::new();
+        let mut decoder = text_line::decoder();
         let mut readings = Vec::new();
         decoder.push(&delivered(&lines, &mut random), &mut |packet| {
             let time = packet.time.expect("a line with a time");

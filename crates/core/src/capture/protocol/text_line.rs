@@ -33,7 +33,7 @@ pub const PROTOCOL: Protocol = Protocol {
     feedback: None,
     options: &[&RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
-    decoder: |_| Box::new(TextLineDecoder::new()),
+    decoder: |_| Box::new(decoder()),
     encoder: |_, _| {
         Ok(Box::new(|readings, bytes| {
             for reading in readings {
@@ -50,12 +50,7 @@ pub(super) const RATE: ProtocolOption = ProtocolOption {
     name: "rate_hz",
     default: "100",
     summary: "lines per second of a file, 0.1 to 10000",
-    check: |value| match value.parse::<f64>() {
-        Ok(rate) if (0.1..=10_000.0).contains(&rate) => Ok(()),
-        _ => Err(format!(
-            "`{value}` is not a rate from 0.1 to 10000 lines per second"
-        )),
-    },
+    check: |value| space::check_range(value, 0.1..=10_000.0, "lines per second"),
 };
 
 /// Numbers in a line: one for each channel of the HC11 glove.
@@ -104,27 +99,33 @@ pub(super) fn split_time(line: &str) -> Result<(&str, Option<u64>), PacketError>
 
 /// Reads the numbers of a line; the line end may be missing. An error states why the line is not valid.
 pub fn parse(line: &str) -> Result<[f64; VALUES], PacketError> {
-    let mut values = [0.0; VALUES];
+    numbers(line.trim_end_matches(['\r', '\n']).split([' ', '\t']))
+}
+
+/// Reads the finite numbers in words, of which empty ones are ignored.
+pub(super) fn numbers<'w, const N: usize>(
+    words: impl Iterator<Item = &'w str>,
+) -> Result<[f64; N], PacketError> {
+    let mut numbers = [0.0; N];
     let mut count = 0;
-    let words = line.trim_end_matches(['\r', '\n']).split([' ', '\t']);
     for word in words.filter(|word| !word.is_empty()) {
-        let value: f64 = word.parse().map_err(|_| {
+        let number: f64 = word.parse().map_err(|_| {
             let text = format!("`{}` is not a number", escape(word));
             PacketError::new(InvalidPacket::Unknown, text)
         })?;
-        if !value.is_finite() {
+        if !number.is_finite() {
             let text = format!("`{word}` is not finite");
             return Err(PacketError::new(InvalidPacket::NotFinite, text));
         }
-        if let Some(slot) = values.get_mut(count) {
-            *slot = value;
+        if let Some(slot) = numbers.get_mut(count) {
+            *slot = number;
         }
         count += 1;
     }
-    if count != VALUES {
-        return Err(PacketError::wrong_count(count, VALUES));
+    if count != N {
+        return Err(PacketError::wrong_count(count, N));
     }
-    Ok(values)
+    Ok(numbers)
 }
 
 /// Returns the joint angles in the numbers of a line.
@@ -165,13 +166,15 @@ pub fn write(angles: &JointAngles, time: Option<Timestamp>, line: &mut Vec<u8>) 
     written.expect("a vector accepts all bytes");
 }
 
-/// Decoder of text lines.
-pub type TextLineDecoder = LineDecoder<TextLineParser>;
-
 /// Parser of one text line.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TextLineParser {
     times: LineTimes,
+}
+
+/// Creates a decoder at the start of a stream.
+pub fn decoder() -> LineDecoder<TextLineParser> {
+    LineDecoder::with_parser(TextLineParser::default())
 }
 
 impl LineParser for TextLineParser {
@@ -188,19 +191,6 @@ impl LineParser for TextLineParser {
 
     fn reset(&mut self) {
         self.times = LineTimes::default();
-    }
-}
-
-impl TextLineDecoder {
-    /// Creates a decoder at the start of a stream.
-    pub fn new() -> Self {
-        Self::with_parser(TextLineParser::default())
-    }
-}
-
-impl Default for TextLineDecoder {
-    fn default() -> Self {
-        Self::new()
     }
 }
 
@@ -275,7 +265,7 @@ mod tests {
 
     #[test]
     fn a_byte_order_mark_before_the_first_line_is_skipped() {
-        let mut decoder = TextLineDecoder::new();
+        let mut decoder = decoder();
         let line = encode(&angles(&[45.0; VALUES]));
         let mark = "\u{feff}";
         let stream = [mark, &line, mark, &line].concat();
@@ -294,7 +284,7 @@ mod tests {
             write(&angles, Some(Timestamp(time)), &mut line);
             String::from_utf8(line).unwrap()
         };
-        let mut decoder = TextLineDecoder::new();
+        let mut decoder = decoder();
         let untimed = encode(&angles);
         let wrong = [&untimed[..untimed.len() - 1], "time_us=-5\n"].concat();
         let stream = [untimed.clone(), line(7), line(7), wrong, line(8)].concat();
@@ -325,7 +315,7 @@ mod tests {
             .collect();
         let mut random = fastrand::Rng::with_seed(2);
         for round in 0..200 {
-            let mut decoder = TextLineDecoder::new();
+            let mut decoder = decoder();
             let mut received = Vec::new();
             let mut packet_bytes = 0;
             let mut rest = stream.as_bytes();
@@ -369,7 +359,7 @@ mod tests {
     #[test]
     fn a_datagram_needs_no_line_end() {
         let line = encode(&JointAngles::default());
-        let mut decoder = TextLineDecoder::new();
+        let mut decoder = decoder();
         for _ in 0..2 {
             decoder.push(line.trim_end().as_bytes(), &mut |_| panic!("no line end"));
             let mut packets = 0;
@@ -380,7 +370,7 @@ mod tests {
 
     #[test]
     fn an_endless_line_is_skipped_in_bounded_memory() {
-        let mut decoder = TextLineDecoder::new();
+        let mut decoder = decoder();
         for _ in 0..1000 {
             decoder.push(&[b'1'; 1000], &mut |_| panic!("no line end"));
         }

@@ -264,7 +264,7 @@ fn an_invalid_uri_names_the_nearest_valid_one() {
         ),
         (
             "file:a.txt?protocol=text-line&rate_hz=0",
-            "`0` is not a rate from 0.1 to 10000",
+            "`0` is not a number of lines per second from 0.1 to 10000",
         ),
         ("udp:0.0.0.0:9000", "datagrams carry no credential"),
         ("udp:192.168.1.7:9000", "write `udp:127.0.0.1:PORT`"),

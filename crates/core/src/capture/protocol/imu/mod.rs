@@ -17,14 +17,13 @@ use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 use super::line_times::LineTimes;
 use super::lines::{LineDecoder, LineParser};
-use super::text_line::{RATE, split_time};
+use super::text_line::{RATE, numbers, split_time};
 use super::{
     Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
     ProtocolOptions, space,
 };
 use crate::capture::{Sample, SampleKind};
 use crate::hand::{Displacement, Joint};
-use crate::message::escape;
 
 /// The protocol of inertial sensors.
 pub const PROTOCOL: Protocol = Protocol {
@@ -71,12 +70,7 @@ const BEARING: ProtocolOption = ProtocolOption {
     name: "bearing_deg",
     default: "0",
     summary: "direction of the forearm in the neutral pose: 0 is straight forward, 90 to the right",
-    check: |value| match value.parse::<f64>() {
-        Ok(bearing) if (-180.0..=180.0).contains(&bearing) => Ok(()),
-        _ => Err(format!(
-            "`{value}` is not a bearing from -180 to 180 degrees"
-        )),
-    },
+    check: |value| space::check_range(value, -180.0..=180.0, "degrees"),
 };
 
 /// Numbers in a line.
@@ -134,36 +128,13 @@ impl ImuParser {
     }
 }
 
-fn numbers(text: &str) -> Result<[f64; NUMBERS], PacketError> {
-    let mut numbers = [0.0; NUMBERS];
-    let mut count = 0;
-    let words = text.split(|character: char| character == ',' || character.is_ascii_whitespace());
-    for word in words.filter(|word| !word.is_empty()) {
-        let number: f64 = word.parse().map_err(|_| {
-            let message = format!("`{}` is not a number", escape(word));
-            PacketError::new(InvalidPacket::Unknown, message)
-        })?;
-        if !number.is_finite() {
-            let message = format!("`{}` is not finite", escape(word));
-            return Err(PacketError::new(InvalidPacket::NotFinite, message));
-        }
-        if let Some(slot) = numbers.get_mut(count) {
-            *slot = number;
-        }
-        count += 1;
-    }
-    match count {
-        NUMBERS => Ok(numbers),
-        _ => Err(PacketError::wrong_count(count, NUMBERS)),
-    }
-}
-
 impl LineParser for ImuParser {
     const MAX_LINE_BYTES: usize = 256;
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
         let (text, time) = split_time(std::str::from_utf8(line)?)?;
-        let quaternion = self.quaternion(numbers(text)?)?;
+        let words = text.split(|it: char| it == ',' || it.is_ascii_whitespace());
+        let quaternion = self.quaternion(numbers(words)?)?;
         let time = self.times.check(time)?;
         let neutral = *self.neutral.get_or_insert(quaternion);
         let since = neutral.inverse() * quaternion;

@@ -14,6 +14,7 @@ mod legacy;
 use arrayvec::ArrayVec;
 
 use super::lines::{LineDecoder, LineParser};
+use super::text_line::RATE;
 use super::{
     Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
     ProtocolOptions, space,
@@ -60,13 +61,6 @@ pub const MAX: ProtocolOption = ProtocolOption {
         Ok(1..) => Ok(()),
         _ => Err(format!("`{value}` is not a whole number from 1 to 65535")),
     },
-};
-
-const RATE: ProtocolOption = ProtocolOption {
-    name: "rate_hz",
-    default: "100",
-    summary: "lines per second of a file, 0.1 to 10000",
-    check: |value| space::check_range(value, 0.1..=10_000.0, "lines per second"),
 };
 
 fn max(options: &ProtocolOptions) -> u16 {
