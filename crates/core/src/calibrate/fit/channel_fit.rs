@@ -65,9 +65,7 @@ impl ChannelFit {
         else {
             fit.rows = rows()
                 .filter_map(|row| {
-                    let points = points(channel, row.dof, observations, true);
-                    let straight = points.into_iter().map(|point| fit.straightened(point));
-                    let straight: Vec<Point> = straight.collect();
+                    let straight = fit.points(row.dof, observations, true);
                     Some((row.dof, shifted(row.calibration, &straight)?))
                 })
                 .collect();
@@ -112,9 +110,7 @@ impl ChannelFit {
 
     /// Returns the line through the poses that define a joint.
     pub(super) fn line(&self, dof: Dof, observations: &Observations) -> Option<Line> {
-        let points = points(self.channel, dof, observations, true);
-        let straight = points.into_iter().map(|point| self.straightened(point));
-        fit_line(&straight.collect::<Vec<_>>())
+        fit_line(&self.points(dof, observations, true))
     }
 
     /// Returns by how much the poses that define a joint disagree: the mean squared residual beyond the deviation between people,
@@ -129,9 +125,7 @@ impl ChannelFit {
 
     /// Returns the line through all poses, each with the deviation that the joint has in it.
     pub(super) fn line_of_all(&self, dof: Dof, observations: &Observations) -> Option<Line> {
-        let points = points(self.channel, dof, observations, false);
-        let straight = points.into_iter().map(|point| self.straightened(point));
-        fit_line(&straight.collect::<Vec<_>>())
+        fit_line(&self.points(dof, observations, false))
     }
 
     /// Returns the linear count at which a dead sensor stays. `None` for other sensors, and if the channel was not measured.
@@ -145,11 +139,13 @@ impl ChannelFit {
         self.linearity.apply(count)
     }
 
-    fn straightened(&self, point: Point) -> Point {
-        Point {
-            x: self.linear(point.x),
-            ..point
+    /// Returns the [`points`] of a joint with linear counts.
+    fn points(&self, dof: Dof, observations: &Observations, is_defined: bool) -> Vec<Point> {
+        let mut points = points(self.channel, dof, observations, is_defined);
+        for point in &mut points {
+            point.x = self.linear(point.x);
         }
+        points
     }
 }
 

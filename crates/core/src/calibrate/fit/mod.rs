@@ -137,11 +137,7 @@ fn calibration(
         return *calibration;
     }
     if let Some(count) = fit.and_then(ChannelFit::dead_count) {
-        let gain = row.calibration.gain;
-        return AffineMap {
-            gain,
-            offset: -gain * count,
-        };
+        return AffineMap::from_counts(-count, row.calibration.gain, 0.0);
     }
     let siblings = start.rows().iter();
     let sibling = siblings.filter(|other| other.channel == row.channel);
@@ -153,10 +149,7 @@ fn calibration(
         // The zero of the old row is at the angle that the new map has at the same angle of the sibling.
         let zero = new.apply_inverse(old.apply(row.calibration.apply_inverse(0.0)));
         let gain = row.calibration.gain * new.gain / old.gain;
-        return AffineMap {
-            gain,
-            offset: -gain * zero,
-        };
+        return AffineMap::from_counts(-zero, gain, 0.0);
     }
     let is_explained = problems.iter().any(|problem| problem.dof() == row.dof);
     if !is_explained {

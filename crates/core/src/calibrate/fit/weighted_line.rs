@@ -28,24 +28,15 @@ pub(super) struct Line {
 
 /// Returns the line through points, or `None` for no points. Points with one x have the slope 0.
 pub(super) fn fit_line(points: &[Point]) -> Option<Line> {
-    let total: f64 = points.iter().map(Point::weight).sum();
+    let sum = |value: &dyn Fn(&Point) -> f64| {
+        let weighted = points.iter().map(|point| point.weight() * value(point));
+        weighted.sum::<f64>()
+    };
+    let total = sum(&|_| 1.0);
     if total.is_nan() || total <= 0.0 {
         return None;
     }
-    let mean = |value: fn(&Point) -> f64| {
-        points
-            .iter()
-            .map(|point| point.weight() * value(point))
-            .sum::<f64>()
-            / total
-    };
-    let (x, y) = (mean(|point| point.x), mean(|point| point.y));
-    let sum = |value: &dyn Fn(&Point) -> f64| {
-        points
-            .iter()
-            .map(|point| point.weight() * value(point))
-            .sum::<f64>()
-    };
+    let (x, y) = (sum(&|point| point.x) / total, sum(&|point| point.y) / total);
     let xx = sum(&|point| (point.x - x).powi(2));
     let xy = sum(&|point| (point.x - x) * (point.y - y));
     let yy = sum(&|point| (point.y - y).powi(2));

@@ -16,12 +16,13 @@ const PALM: [Joint; 4] = [
 ];
 
 /// Returns the frame of a palm: X across the knuckles to the right of a hand whose palm is down, Y from the wrist to the fingers, Z out
-/// of the back of the hand. `None` if the joints are on a line.
-fn palm_frame([wrist, index, middle, little]: [Vec3; 4], side: Side) -> Option<Pose> {
-    let away = (middle - wrist).try_normalize()?;
+/// of the back of the hand. `None` if the joints are on a line, or one is not known.
+fn palm_frame([wrist, index, middle, little]: [Option<Vec3>; 4], side: Side) -> Option<Pose> {
+    let middle = middle?;
+    let away = (middle - wrist?).try_normalize()?;
     let across = match side {
-        Side::Right => little - index,
-        Side::Left => index - little,
+        Side::Right => little? - index?,
+        Side::Left => index? - little?,
     };
     let up = across.cross(away).try_normalize()?;
     let axes = Mat3::from_cols(away.cross(up), away, up);
@@ -32,12 +33,8 @@ fn palm_frame([wrist, index, middle, little]: [Vec3; 4], side: Side) -> Option<P
 /// right of a hand whose palm is down, Y from the wrist to the fingers, Z out of the back of the hand. `None` if fewer than ten
 /// readings show the palm.
 pub fn measure_palm(readings: &[JointPositions], side: Side) -> Option<Pose> {
-    let joints = PALM.map(|joint| median_position(readings, joint));
-    let [Some(wrist), Some(index), Some(middle), Some(little)] = joints else {
-        return None;
-    };
-    let points = [wrist, index, middle, little].map(|it| it.as_vec3());
-    palm_frame(points, side)
+    let point = |joint| Some(median_position(readings, joint)?.as_vec3());
+    palm_frame(PALM.map(point), side)
 }
 
 /// Returns the frame of the palm relative to the elbow (`elbow_from_palm`, see [`measure_palm`]) in the typing posture with the forearm
@@ -45,10 +42,6 @@ pub fn measure_palm(readings: &[JointPositions], side: Side) -> Option<Pose> {
 pub fn typing_palm(arm: &ArmModel) -> Option<Pose> {
     let typing = arm.typing_pose();
     let elbow = typing.position(Joint::Elbow)?;
-    let joints = PALM.map(|joint| typing.position(joint));
-    let [Some(wrist), Some(index), Some(middle), Some(little)] = joints else {
-        return None;
-    };
-    let points = [wrist, index, middle, little].map(|it| it - elbow);
-    palm_frame(points, arm.side())
+    let point = |joint| Some(typing.position(joint)? - elbow);
+    palm_frame(PALM.map(point), arm.side())
 }

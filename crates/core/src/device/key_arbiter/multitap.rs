@@ -306,6 +306,16 @@ mod tests {
         tap(arbiter, finger(Finger::Index, 0), ABC, ms)
     }
 
+    fn hand(side: Side, is_placed: bool, is_seen: bool) -> SequenceHand {
+        SequenceHand {
+            side,
+            time: Timestamp(0),
+            is_placed,
+            is_seen,
+            press_gap: Duration::ZERO,
+        }
+    }
+
     #[test]
     fn each_tap_within_the_time_out_replaces_the_letter() {
         let mut arbiter = arbiter();
@@ -332,13 +342,6 @@ mod tests {
 
     #[test]
     fn a_lost_hand_and_a_lost_finger_keep_the_letter() {
-        let hand = |side, is_placed, is_seen| SequenceHand {
-            side,
-            time: Timestamp(0),
-            is_placed,
-            is_seen,
-            press_gap: Duration::ZERO,
-        };
         for lost in [
             hand(Side::Right, false, true),
             hand(Side::Right, true, false),
@@ -362,13 +365,7 @@ mod tests {
     fn a_hand_without_a_position_is_not_lost() {
         let mut arbiter = arbiter();
         tap_index(&mut arbiter, 0);
-        arbiter.watch_multitap(&SequenceHand {
-            side: Side::Right,
-            time: Timestamp(0),
-            is_placed: false,
-            is_seen: true,
-            press_gap: Duration::ZERO,
-        });
+        arbiter.watch_multitap(&hand(Side::Right, false, true));
         assert_eq!(tap_index(&mut arbiter, 100), "+Backspace -Backspace ñ");
     }
 

@@ -105,7 +105,6 @@ impl<'a> ActivationFields<'a> {
         builder: &mut LayoutBuilder<'a>,
         action: Option<KeyAction>,
     ) -> Result<Activation, DocumentError> {
-        let fields = self;
         let name = self.name;
         if let Some(message) = self.conflict(action) {
             return Err(builder.error(name, message));
@@ -113,11 +112,11 @@ impl<'a> ActivationFields<'a> {
         let Some(action) = action else {
             return Ok(Activation::OnPress);
         };
-        let activation = match (fields.dwell_ms, fields.hold, fields.activate_on) {
+        let activation = match (self.dwell_ms, self.hold, self.activate_on) {
             (Some(dwell), ..) => Activation::Dwell(duration(dwell.get())),
             (None, Some(HoldSchema(hold)), _) => Activation::TapHold(TapHold {
                 hold_action: builder.action(hold, None)?,
-                hold_after: duration(fields.hold_after_ms.unwrap_or_default().get()),
+                hold_after: duration(self.hold_after_ms.unwrap_or_default().get()),
             }),
             (None, None, Some(ActivationSchema::Release)) => Activation::OnRelease,
             (None, None, Some(ActivationSchema::Press) | None) => Activation::OnPress,
@@ -128,12 +127,11 @@ impl<'a> ActivationFields<'a> {
 
     /// Returns the message for fields that exclude each other.
     fn conflict(&self, action: Option<KeyAction>) -> Option<String> {
-        let fields = self;
         let Self { kind, name, .. } = self;
-        let has_hold = fields.hold.is_some();
-        let has_activate_on = fields.activate_on.is_some();
-        let has_dwell = fields.dwell_ms.is_some();
-        let has_any = has_hold || has_activate_on || has_dwell || fields.hold_after_ms.is_some();
+        let has_hold = self.hold.is_some();
+        let has_activate_on = self.activate_on.is_some();
+        let has_dwell = self.dwell_ms.is_some();
+        let has_any = has_hold || has_activate_on || has_dwell || self.hold_after_ms.is_some();
         if action.is_none() {
             return has_any.then(|| {
                 format!(
@@ -141,7 +139,7 @@ impl<'a> ActivationFields<'a> {
                 )
             });
         }
-        if !has_hold && fields.hold_after_ms.is_some() {
+        if !has_hold && self.hold_after_ms.is_some() {
             return Some(format!(
                 "the {kind} `{name}` has a `hold_after_ms` but no `hold`, add the action of a held {kind}"
             ));

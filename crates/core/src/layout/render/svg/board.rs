@@ -7,7 +7,7 @@ use super::controls::{self, draw_cap, on_page, placement};
 use super::page::{CAPTION_SIZE, draw_paragraph};
 use super::scale_bar;
 use crate::contact::surface::Shape;
-use crate::layout::model::{Board, Face, Key, Layout};
+use crate::layout::model::{Board, Face, Layout};
 use crate::layout::render::wearer::{ReachArea, Wearer};
 use crate::layout::render::words;
 
@@ -54,20 +54,11 @@ pub fn draw(layout: &Layout, index: usize, wearer: &Wearer) -> Canvas {
 /// Draws a board as it is in a layer: the keys that the layer changes with their labels, all other fronts without.
 pub fn draw_layer(layout: &Layout, index: usize, layer: usize) -> Canvas {
     let board = &layout.boards[index];
-    draw_keys(layout, board, |key| layout.label_in_layer(key, layer))
-}
-
-/// Draws a board with a label on some of its keys.
-fn draw_keys<'a>(
-    layout: &'a Layout,
-    board: &Board,
-    label: impl Fn(&'a Key) -> Option<&'a str>,
-) -> Canvas {
     let mut view = Canvas::default();
     draw_panel(layout, board, &mut view);
     for key in &layout.keys[board.keys.clone()] {
         let mut front = Canvas::default();
-        match label(key) {
+        match layout.label_in_layer(key, layer) {
             Some(label) => controls::draw_labelled_cap("tinted", label, &key.face, &mut front),
             None => draw_cap("well", &key.face.outline, &mut front),
         }
