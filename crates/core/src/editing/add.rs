@@ -303,11 +303,7 @@ mod tests {
                 });
                 let added = edit(&text, &add).unwrap();
                 Layout::parse(&added.text, "x").unwrap_or_else(|error| panic!("{kind:?} {error}"));
-                let control = Part::Control {
-                    board: 0,
-                    kind,
-                    index: 0,
-                };
+                let control = Part::control(0, kind, 0);
                 assert_eq!(added.parts, [control]);
             }
         }

@@ -124,11 +124,7 @@ mod tests {
     use crate::editing::{Edit, Edited, edit};
     use crate::layout::Layout;
 
-    const KEY: Part = Part::Control {
-        board: 0,
-        kind: ControlKind::Key,
-        index: 0,
-    };
+    const KEY: Part = Part::control(0, ControlKind::Key, 0);
 
     fn repeated(
         controls: &str,
@@ -177,11 +173,7 @@ mod tests {
             knobs: [(name: \"Volume\", at_mm: (9.5, 80), diameter_mm: 30)]";
         let parts = [
             Part::Row { board: 0, row: 0 },
-            Part::Control {
-                board: 0,
-                kind: ControlKind::Knob,
-                index: 0,
-            },
+            Part::control(0, ControlKind::Knob, 0),
         ];
         let edited = repeated(controls, &parts, 2, (30.0, 200.0)).unwrap();
         let layout = Layout::parse(&edited.text, "a.ron").unwrap();

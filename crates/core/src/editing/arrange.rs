@@ -230,11 +230,7 @@ mod tests {
     use crate::editing::{Edit, edit};
 
     fn mirrored(text: &str, axis: BoardAxis) -> String {
-        let key = |index| Part::Control {
-            board: 0,
-            kind: ControlKind::Key,
-            index,
-        };
+        let key = |index| Part::control(0, ControlKind::Key, index);
         let parts = vec![key(0), key(1)];
         edit(text, &Edit::Mirror { parts, axis }).unwrap().text
     }

@@ -107,11 +107,7 @@ mod tests {
 
     #[test]
     fn a_pasted_control_keeps_an_axis_that_is_free() {
-        let stick = Part::Control {
-            board: 0,
-            kind: ControlKind::Joystick,
-            index: 0,
-        };
+        let stick = Part::control(0, ControlKind::Joystick, 0);
         let clipboard = copied(STICKS, &[stick]).unwrap();
         let paste = |text: &str| {
             let mut draft = Draft::new(text).unwrap();

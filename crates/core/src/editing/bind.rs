@@ -377,11 +377,7 @@ mod tests {
         let text = format!(
             "Layout(name: \"a\", boards: [(pose: (anchor: elbow), keys: [({key}, at_mm: (0, 0))])])"
         );
-        let part = |index| Part::Control {
-            board: 0,
-            kind: ControlKind::Key,
-            index,
-        };
+        let part = |index| Part::control(0, ControlKind::Key, index);
         let copied = edit(
             &text,
             &Edit::Duplicate {
@@ -456,11 +452,7 @@ mod tests {
                 "Layout(name: \"a\", boards: [(pose: (anchor: elbow), keys: [({key}, at_mm: (0, 0)), (code: \"B\", \
                  at_mm: (40, 0))])], chords: [{chord}])"
             );
-            let part = Part::Control {
-                board: 0,
-                kind: ControlKind::Key,
-                index: 0,
-            };
+            let part = Part::control(0, ControlKind::Key, 0);
             let bind = Edit::Bind {
                 part,
                 slot: Slot::Base,

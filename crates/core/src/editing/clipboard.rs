@@ -129,11 +129,7 @@ fn with_size(
         }
     }
     own.commit()?;
-    let control = Part::Control {
-        board: 0,
-        kind,
-        index: 0,
-    };
+    let control = Part::control(0, kind, 0);
     let node = own.node(control)?;
     Ok(node.text(own.text()).to_owned())
 }
@@ -229,11 +225,7 @@ fn paste_controls(
         let first = draft.count(Part::Board(board), kind.list());
         let mut texts = Vec::new();
         for index in 0..source.count(Part::Board(0), kind.list()) {
-            let own = Part::Control {
-                board: 0,
-                kind,
-                index,
-            };
+            let own = Part::control(0, kind, index);
             texts.push(copy(source, names, own, by_mm)?);
             let index = first + index;
             new_parts.push(Part::Control { board, kind, index });
@@ -292,11 +284,7 @@ mod tests {
     use crate::layout::Layout;
 
     const fn control(kind: ControlKind) -> Part {
-        Part::Control {
-            board: 0,
-            kind,
-            index: 0,
-        }
+        Part::control(0, kind, 0)
     }
 
     /// Copies parts of a board with these fields, and returns the controls that are added to an empty board with others.

@@ -120,11 +120,7 @@ mod tests {
     #[test]
     fn a_control_is_deleted_with_its_signals() {
         let text = Document::shipped("mixer").unwrap().text;
-        let first = |kind| Part::Control {
-            board: 0,
-            kind,
-            index: 0,
-        };
+        let first = |kind| Part::control(0, kind, 0);
         let without = |before: &str, parts: &[Part]| {
             let mut draft = Draft::new(before).unwrap();
             delete(&mut draft, parts).unwrap();

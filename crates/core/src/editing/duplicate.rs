@@ -162,11 +162,9 @@ pub(super) fn repeat(
 /// Returns the part of the same kind at another index; a single key for a row or a key of one.
 fn in_list(part: Part, index: usize) -> Part {
     match part {
-        Part::Row { board, .. } | Part::RowKey { board, .. } => Part::Control {
-            board,
-            kind: ControlKind::Key,
-            index,
-        },
+        Part::Row { board, .. } | Part::RowKey { board, .. } => {
+            Part::control(board, ControlKind::Key, index)
+        }
         Part::Control { board, kind, .. } => Part::Control { board, kind, index },
         Part::RadioOption { board, radio, .. } => Part::RadioOption {
             board,
@@ -220,11 +218,7 @@ pub(super) fn copied_board(
     own.commit()?;
     for &kind in ControlKind::ALL {
         for index in 0..own.count(copy, kind.list()) {
-            let part = Part::Control {
-                board: 0,
-                kind,
-                index,
-            };
+            let part = Part::control(0, kind, index);
             let name = name_of(own.text(), own.tree(), part);
             let node = own.node(part)?;
             let control = renamed(node.text(own.text()), name.as_deref(), names, [0.0; 2])?;
@@ -397,11 +391,7 @@ mod tests {
     #[test]
     fn a_copied_control_has_the_signals_of_its_values() {
         let text = Document::shipped("xy-pad").unwrap().text;
-        let pad = Part::Control {
-            board: 0,
-            kind: ControlKind::XyPad,
-            index: 0,
-        };
+        let pad = Part::control(0, ControlKind::XyPad, 0);
         for (part, by_mm) in [(pad, [0.0, 120.0]), (Part::Board(0), [400.0, 0.0])] {
             let copied = duplicate_parts(&text, &[part], by_mm).unwrap().text;
             Layout::parse(&copied, "a.ron").unwrap_or_else(|error| panic!("{error}"));

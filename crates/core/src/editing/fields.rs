@@ -326,11 +326,7 @@ mod tests {
     #[test]
     fn a_value_with_a_comment_around_it_is_refused() {
         let set = |value: &str| {
-            let key = Part::Control {
-                board: 0,
-                kind: ControlKind::Key,
-                index: 0,
-            };
+            let key = Part::control(0, ControlKind::Key, 0);
             let set = Edit::SetField {
                 parts: vec![key],
                 field: "code".to_owned(),

@@ -121,6 +121,11 @@ impl ControlKind {
 }
 
 impl Part {
+    /// Returns the control at an index of the list of its kind on a board.
+    pub const fn control(board: usize, kind: ControlKind, index: usize) -> Self {
+        Self::Control { board, kind, index }
+    }
+
     /// Returns the index of the board: its own, or of the board that it is on.
     pub const fn board(self) -> Option<usize> {
         match self {
@@ -167,11 +172,9 @@ impl Part {
             Self::Layout => None,
             Self::Row { board, .. } | Self::Control { board, .. } => Some(Self::Board(board)),
             Self::RowKey { board, row, .. } => Some(Self::Row { board, row }),
-            Self::RadioOption { board, radio, .. } => Some(Self::Control {
-                board,
-                kind: ControlKind::Radio,
-                index: radio,
-            }),
+            Self::RadioOption { board, radio, .. } => {
+                Some(Self::control(board, ControlKind::Radio, radio))
+            }
             Self::SpaceTarget { space, .. } => Some(Self::Space(space)),
             Self::Board(_)
             | Self::Trigger(_)

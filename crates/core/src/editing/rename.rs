@@ -68,11 +68,7 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
                 collect_steps(node, text, &old, found);
             }),
             Part::RadioOption { board, radio, .. } => {
-                let group = Part::Control {
-                    board,
-                    kind: ControlKind::Radio,
-                    index: radio,
-                };
+                let group = Part::control(board, ControlKind::Radio, radio);
                 let initial = draft.field(group, "initial");
                 if initial.and_then(|node| node.string(draft.text())) == Some(&old) {
                     draft.set(group, "initial", &quote(name))?;
@@ -209,11 +205,7 @@ mod tests {
 )"#;
         let renamed = |before: &str, kind: ControlKind, name: &str| {
             let rename = Edit::Rename {
-                part: Part::Control {
-                    board: 0,
-                    kind,
-                    index: 0,
-                },
+                part: Part::control(0, kind, 0),
                 name: name.into(),
             };
             edit(before, &rename).expect("a name that is free").text

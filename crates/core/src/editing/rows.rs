@@ -38,11 +38,7 @@ pub(super) fn take_out(
         let keys = new_keys.entry(board).or_default();
         let first = draft.count(Part::Board(board), ControlKind::Key.list());
         for &column in &row_columns {
-            let key = Part::Control {
-                board,
-                kind: ControlKind::Key,
-                index: first + keys.len(),
-            };
+            let key = Part::control(board, ControlKind::Key, first + keys.len());
             new_parts.insert(Part::RowKey { board, row, column }, key);
             keys.push(source.key(column)?);
         }

@@ -88,14 +88,6 @@ mod tests {
         format!("Layout(name: \"a\", boards: [(pose: (anchor: elbow), {controls})])")
     }
 
-    fn control(kind: ControlKind, index: usize) -> Part {
-        Part::Control {
-            board: 0,
-            kind,
-            index,
-        }
-    }
-
     fn scaled(controls: &str, parts: &[Part], factors: [f64; 2], fixed: [f64; 2]) -> String {
         let parts = parts.to_vec();
         let scale = Edit::Scale {
@@ -110,9 +102,9 @@ mod tests {
     fn positions_and_sizes_are_scaled_about_the_opposite_corner() {
         // The outlines go from −10 to 60 mm and from −10 to 15 mm.
         let keys = [
-            control(ControlKind::Key, 0),
-            control(ControlKind::Key, 1),
-            control(ControlKind::Key, 2),
+            Part::control(0, ControlKind::Key, 0),
+            Part::control(0, ControlKind::Key, 1),
+            Part::control(0, ControlKind::Key, 2),
         ];
         let written = scaled(
             "keys: [(code: \"A\", at_mm: (0, 0), size_mm: Box(20, 20)),
@@ -149,7 +141,7 @@ mod tests {
 
     #[test]
     fn the_options_of_a_radio_group_are_scaled() {
-        let radio = control(ControlKind::Radio, 0);
+        let radio = Part::control(0, ControlKind::Radio, 0);
         let options = "radios: [(options: [(name: \"a\", at_mm: (0, 0), size_mm: Box(10, 10)), \
             (name: \"b\", at_mm: (20, 0), size_mm: Box(10, 10))])]";
         let smaller = scaled(options, &[radio], [0.5, 0.5], [0.0, 0.0]);
@@ -162,7 +154,7 @@ mod tests {
 
     #[test]
     fn sizes_stay_within_the_format_and_factors_are_positive() {
-        let key = control(ControlKind::Key, 0);
+        let key = Part::control(0, ControlKind::Key, 0);
         let one = "keys: [(code: \"A\", at_mm: (0, 0), size_mm: Box(20, 20))]";
         let smallest = scaled(one, &[key], [0.001, 100.0], [0.0, 0.0]);
         assert!(smallest.contains("Box(1, 500)"), "{smallest}");
