@@ -114,20 +114,22 @@ fn shift_pose(
         draft.set_number(part, "pose.right_mm", old + right, 0.0)?;
     }
     if forward != 0.0 {
-        let is_arc = draft
-            .field(part, "shape")
-            .is_some_and(|shape| shape.name(draft.text()) == Some("Arc"));
-        // The default of a board on arcs.
-        let default = if is_arc {
-            draft.number(part, "shape.radius_mm", 0.0)?
-        } else {
-            0.0
-        };
+        let default = arc_radius(draft, part)?;
         let old = draft.number(part, "pose.forward_mm", default)?;
         draft.set_number(part, "pose.forward_mm", old + forward, default)?;
     }
     let old = draft.number(part, "pose.height_mm", 0.0)?;
     draft.set_number(part, "pose.height_mm", old + up, 0.0)
+}
+
+/// Returns the radius of a board on arcs, which is the default of its `forward_mm`; 0 for any other part.
+pub(super) fn arc_radius(draft: &Draft, part: Part) -> Result<f64, EditError> {
+    let shape = draft.field(part, "shape");
+    if shape.is_some_and(|shape| shape.name(draft.text()) == Some("Arc")) {
+        draft.number(part, "shape.radius_mm", 0.0)
+    } else {
+        Ok(0.0)
+    }
 }
 
 /// Changes sizes around a fixed point.

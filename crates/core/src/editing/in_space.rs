@@ -2,7 +2,7 @@
 
 use super::draft::Draft;
 use super::error::EditError;
-use super::geometry::{shift_one, unsupported, without_children, wrapped};
+use super::geometry::{arc_radius, shift_one, unsupported, without_children, wrapped};
 use super::part::Part;
 
 /// Moves boards and targets in space: to the right, away from the wearer and up, whatever their bearings are.
@@ -42,14 +42,7 @@ pub(super) fn turn(
         };
         let old = draft.number(part, "pose.bearing_deg", 0.0)?;
         let new = wrapped(old - degrees);
-        let is_arc = draft
-            .field(part, "shape")
-            .is_some_and(|shape| shape.name(draft.text()) == Some("Arc"));
-        let radius = if is_arc {
-            draft.number(part, "shape.radius_mm", 0.0)?
-        } else {
-            0.0
-        };
+        let radius = arc_radius(draft, part)?;
         let right = draft.number(part, "pose.right_mm", 0.0)?;
         let forward = draft.number(part, "pose.forward_mm", radius)?;
         let to_center = radius * tilt(draft, part)?.cos();
