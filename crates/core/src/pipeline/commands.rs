@@ -138,18 +138,23 @@ impl Pipeline {
     ///
     /// If there is no board, or a layout file could not represent a new position, no board moves and nothing is released.
     pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), CommandError> {
-        self.active_layout().check_move(BoardMove::Nudge(by))?;
-        self.release_all(self.time, events);
-        self.active_layout().apply_move(BoardMove::Nudge(by));
-        Ok(())
+        self.move_boards(BoardMove::Nudge(by), events)
     }
 
     /// Releases everything and tilts each board of the active layout about its own X axis, by an angle in radians that
     /// raises the far side. Fails like [`nudge`](Self::nudge).
     pub fn tilt(&mut self, by: f32, events: &mut Events) -> Result<(), CommandError> {
-        self.active_layout().check_move(BoardMove::Tilt(by))?;
+        self.move_boards(BoardMove::Tilt(by), events)
+    }
+
+    fn move_boards(
+        &mut self,
+        board_move: BoardMove,
+        events: &mut Events,
+    ) -> Result<(), CommandError> {
+        self.active_layout().check_move(board_move)?;
         self.release_all(self.time, events);
-        self.active_layout().apply_move(BoardMove::Tilt(by));
+        self.active_layout().apply_move(board_move);
         Ok(())
     }
 

@@ -7,14 +7,13 @@ use super::auto_recenter::AutoRecenterState;
 use super::hand_watch::HandWatch;
 use super::release_order::move_releases_first;
 use super::{PressFilter, StepOutput};
-use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, Scene};
 use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches, bent_fingers};
 use crate::device::key_arbiter::SequenceHand;
 use crate::device::signals::Signals;
 use crate::device::{
-    CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, KeyCode, Multitaps, Sequence,
-    TimedCommands, VirtualDevice,
+    CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, KeyCode, TimedCommands,
+    VirtualDevice,
 };
 use crate::estimate::{BendRanges, FingerBends};
 use crate::hand::{FingerSet, Side};
@@ -94,62 +93,18 @@ impl LayoutInstance {
     /// Creates the run-time instance of a layout.
     pub fn from_layout(layout: &Layout) -> Self {
         let (scene, names) = (layout.scene.clone(), layout.target_names());
-        Self::new(scene, names, layout.devices())
-            .with_texts(layout.texts.clone())
-            .with_sequences(layout.sequences.clone())
-            .with_multitaps(layout.multitaps.clone())
-            .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
-            .with_layout(Arc::new(layout.clone()))
-    }
-
-    /// Sets the layout that this instance was made from, for displays.
-    #[must_use]
-    pub fn with_layout(self, layout: Arc<Layout>) -> Self {
+        let instance = Self::new(scene, names, layout.devices());
+        let auto_recenter = layout.boards.iter().map(|board| board.auto_recenter);
         Self {
-            starts_at_hand: self.starts_at_hand || layout.has_frame_at(Anchor::Start),
+            key_arbiter: KeyArbiter::new(layout.texts.clone())
+                .with_sequences(layout.sequences.clone())
+                .with_multitaps(layout.multitaps.clone()),
+            auto_recenter: AutoRecenterState::new(auto_recenter),
+            starts_at_hand: instance.starts_at_hand || layout.has_frame_at(Anchor::Start),
             follows_other_hand: layout.follows_other_hand(),
             follows_body: layout.follows_body(),
-            layout: Some(layout),
-            ..self
-        }
-    }
-
-    /// Sets the texts that keys write; see [`TextId`](crate::device::TextId).
-    #[must_use]
-    pub fn with_texts(self, texts: Vec<String>) -> Self {
-        Self {
-            key_arbiter: self.key_arbiter.with_texts(texts),
-            ..self
-        }
-    }
-
-    /// Sets the sequences that presses start; see [`SequenceId`](crate::device::SequenceId).
-    #[must_use]
-    pub fn with_sequences(self, sequences: Vec<Sequence>) -> Self {
-        Self {
-            key_arbiter: self.key_arbiter.with_sequences(sequences),
-            ..self
-        }
-    }
-
-    /// Sets the letters of multitap keys.
-    #[must_use]
-    pub fn with_multitaps(self, multitaps: Multitaps) -> Self {
-        Self {
-            key_arbiter: self.key_arbiter.with_multitaps(multitaps),
-            ..self
-        }
-    }
-
-    /// Sets the auto-recentering of the boards; `settings[i]` applies to board `i`, which stays with `None`.
-    #[must_use]
-    pub fn with_auto_recenter(
-        self,
-        settings: impl IntoIterator<Item = Option<AutoRecenter>>,
-    ) -> Self {
-        Self {
-            auto_recenter: AutoRecenterState::new(settings),
-            ..self
+            layout: Some(Arc::new(layout.clone())),
+            ..instance
         }
     }
 

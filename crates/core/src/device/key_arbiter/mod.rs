@@ -108,13 +108,10 @@ struct PressedKey {
 impl KeyArbiter {
     /// Creates an arbiter with nothing pressed. `texts[i]` is the text of [`TextId`] `i`.
     pub fn new(texts: Vec<String>) -> Self {
-        Self::default().with_texts(texts)
-    }
-
-    /// Sets the texts: `texts[i]` is the text of [`TextId`] `i`.
-    #[must_use]
-    pub fn with_texts(self, texts: Vec<String>) -> Self {
-        Self { texts, ..self }
+        Self {
+            texts,
+            ..Self::default()
+        }
     }
 
     /// Returns the keys that are down for the receiver.

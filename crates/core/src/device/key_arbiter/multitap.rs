@@ -384,13 +384,6 @@ mod tests {
     }
 
     #[test]
-    fn other_texts_keep_the_letters() {
-        let mut arbiter = arbiter().with_texts(vec!["ç".to_owned()]);
-        assert_eq!(tap_index(&mut arbiter, 0), "+A -A");
-        assert_eq!(tap_index(&mut arbiter, 100), "+Backspace -Backspace ç");
-    }
-
-    #[test]
     fn a_letter_that_a_control_holds_is_neither_typed_nor_deleted() {
         let mut arbiter = arbiter();
         let held = PressSource::Part(TargetId(9), 0);
