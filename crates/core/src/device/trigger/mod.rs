@@ -317,9 +317,9 @@ mod tests {
     use crate::hand::{BodyAngle, InputValues, JointAngles};
     use crate::kinematics::HandPose;
 
-    #[test]
-    fn a_sequence_of_angles_of_the_body_acts_once_with_two_hands() {
-        let trigger = |target: u32, measure: Measure, on: f32, off: f32| Trigger {
+    /// Returns a trigger of both hands without an action.
+    fn trigger(target: u32, measure: Measure, on: f32, off: f32) -> Trigger {
+        Trigger {
             target: TargetId(target),
             side: None,
             held: None,
@@ -331,7 +331,36 @@ mod tests {
             range: None,
             action: None,
             output: ValueOutput::ValueOnly,
+        }
+    }
+
+    /// Processes a step of a hand with these inputs.
+    fn update(
+        triggers: &mut Triggers,
+        arbiter: &mut KeyArbiter,
+        pose: &HandPose,
+        inputs: &InputValues,
+        events: &mut Events,
+    ) {
+        let input = DeviceInput {
+            scene: &Scene::new(),
+            angles: &JointAngles::default(),
+            bends: &Default::default(),
+            inputs,
+            pose,
+            touches: &[],
+            presses: &[],
         };
+        let mut out = DeviceOutput {
+            arbiter,
+            events,
+            commands: &mut TimedCommands::new(),
+        };
+        triggers.update(&input, &mut out);
+    }
+
+    #[test]
+    fn a_sequence_of_angles_of_the_body_acts_once_with_two_hands() {
         let yaw = Measure::Body(BodyAngle::HeadYaw);
         let steps = Measure::Sequence(Steps {
             targets: [Some(TargetId(0)), Some(TargetId(1)), None, None],
@@ -351,23 +380,9 @@ mod tests {
             for &side in Side::ALL {
                 let mut inputs = InputValues::default();
                 inputs.set_angle(BodyAngle::HeadYaw, turn);
-                let time = Timestamp(step as u64 * 100_000);
-                let input = DeviceInput {
-                    scene: &Scene::new(),
-                    angles: &JointAngles::default(),
-                    bends: &Default::default(),
-                    inputs: &inputs,
-                    pose: &HandPose::new(time, side, 0.005),
-                    touches: &[],
-                    presses: &[],
-                };
+                let pose = HandPose::new(Timestamp(step as u64 * 100_000), side, 0.005);
                 let mut events = Events::new();
-                let mut out = DeviceOutput {
-                    arbiter: &mut arbiter,
-                    events: &mut events,
-                    commands: &mut TimedCommands::new(),
-                };
-                triggers.update(&input, &mut out);
+                update(&mut triggers, &mut arbiter, &pose, &inputs, &mut events);
                 let kinds = events.iter().map(|event| event.kind);
                 characters += kinds
                     .filter(|kind| matches!(kind, EventKind::Character(_)))
@@ -380,17 +395,10 @@ mod tests {
     #[test]
     fn the_axis_of_an_input_that_is_lost_returns_to_0_in_the_next_step_with_room() {
         let mut triggers = Triggers::new([Trigger {
-            target: TargetId(0),
             side: Some(Side::Right),
-            held: None,
-            measure: Measure::Input(Input::Trigger),
-            on: 0.5,
-            off: 0.4,
-            hold: Duration::ZERO,
-            cool_down: Duration::ZERO,
             range: Some((0.0, 1.0)),
-            action: None,
             output: ValueOutput::Axis(Axis::LeftTrigger),
+            ..trigger(0, Measure::Input(Input::Trigger), 0.5, 0.4)
         }]);
         let mut arbiter = KeyArbiter::default();
         let mut axis_after = |ms: u64, value: Option<f32>, room: usize| {
@@ -407,21 +415,8 @@ mod tests {
             while events.remaining_capacity() > room {
                 events.push(filler);
             }
-            let input = DeviceInput {
-                scene: &Scene::new(),
-                angles: &JointAngles::default(),
-                bends: &Default::default(),
-                inputs: &inputs,
-                pose: &HandPose::new(time, Side::Right, 0.005),
-                touches: &[],
-                presses: &[],
-            };
-            let mut out = DeviceOutput {
-                arbiter: &mut arbiter,
-                events: &mut events,
-                commands: &mut TimedCommands::new(),
-            };
-            triggers.update(&input, &mut out);
+            let pose = HandPose::new(time, Side::Right, 0.005);
+            update(&mut triggers, &mut arbiter, &pose, &inputs, &mut events);
             events.iter().find_map(|event| match event.kind {
                 EventKind::Axis(Axis::LeftTrigger, position) => Some(position),
                 _ => None,
