@@ -101,8 +101,7 @@ impl Attributes {
 
     /// Returns `true` if every field of the structure has a default.
     pub fn has_defaults(&self) -> bool {
-        let mut serde = self.texts.iter().filter(|text| text.starts_with("serde"));
-        serde.any(|text| text.contains("default,") || text.contains(", default)"))
+        self.has("default,") || self.has(", default)")
     }
 
     fn has(&self, part: &str) -> bool {

@@ -3,7 +3,8 @@
 use parry3d::math::Vec2;
 
 use super::canvas::{Align, Canvas, Placement};
-use super::controls::{on_page, placement};
+use super::controls::{draw_lines, on_page, placement};
+use super::text::fit;
 use crate::contact::TargetId;
 use crate::layout::model::{Face, Layout};
 use crate::layout::render::words;
@@ -50,7 +51,8 @@ pub fn draw(layout: &Layout, layer: usize, width: f32) -> Option<Canvas> {
         draw_board(&faces, &words.chord.keys, corner, &mut chords);
         let at = corner + Vec2::new(BOARD_SIZE.x + 2.0, BOARD_SIZE.y / 2.0);
         let half = Vec2::new(ACTION_WIDTH, BOARD_SIZE.y) / 2.0;
-        draw_action(&words.action, at, half, &mut chords);
+        let action = fit(&words.action, 2.0 * half, 5.2);
+        draw_lines("label", &action, at, Align::Start, &mut chords);
     }
     Some(chords)
 }
@@ -78,19 +80,4 @@ fn draw_board(faces: &[&Face], pressed: &[TargetId], corner: Vec2, chords: &mut 
         scale,
     };
     chords.group(placement, None, &board);
-}
-
-fn draw_action(action: &str, at: Vec2, half: Vec2, chords: &mut Canvas) {
-    let fitted = super::text::fit(action, 2.0 * half, 5.2);
-    let middle = (fitted.lines.len() as f32 - 1.0) / 2.0;
-    for (index, line) in fitted.lines.iter().enumerate() {
-        let offset = (index as f32 - middle) * fitted.size * super::text::LINE_HEIGHT;
-        chords.text(
-            "label",
-            at + Vec2::Y * offset,
-            Align::Start,
-            fitted.size,
-            line,
-        );
-    }
 }

@@ -8,7 +8,7 @@ pub use key::draw_cap;
 use parry3d::math::Vec2;
 
 use super::canvas::{Align, Canvas, Placement};
-use super::text::{LINE_HEIGHT, fit, width_em};
+use super::text::{FittedText, LINE_HEIGHT, fit, width_em};
 use crate::contact::surface::Shape;
 use crate::layout::Outline;
 use crate::layout::controls::Front;
@@ -121,10 +121,14 @@ pub fn draw_fitted(
     canvas: &mut Canvas,
 ) {
     let fitted = fit(text, 2.0 * half, max_size);
-    let middle = (fitted.lines.len() as f32 - 1.0) / 2.0;
-    for (index, line) in fitted.lines.iter().enumerate() {
-        let offset = (index as f32 - middle) * fitted.size * LINE_HEIGHT;
-        let at = center + Vec2::Y * offset;
-        canvas.text(class, at, Align::Middle, fitted.size, line);
+    draw_lines(class, &fitted, center, Align::Middle, canvas);
+}
+
+/// Draws the lines of a text about the height of a point, at which they begin, end or have their middle.
+pub fn draw_lines(class: &str, text: &FittedText, at: Vec2, align: Align, canvas: &mut Canvas) {
+    let middle = (text.lines.len() as f32 - 1.0) / 2.0;
+    for (index, line) in text.lines.iter().enumerate() {
+        let offset = (index as f32 - middle) * text.size * LINE_HEIGHT;
+        canvas.text(class, at + Vec2::Y * offset, align, text.size, line);
     }
 }
