@@ -70,7 +70,7 @@ pub struct Recording<R> {
     records: Records<R>,
     setup: RecordedSetup,
     /// The channel of readings.
-    channel: Option<MessageChannel>,
+    readings: Option<MessageChannel>,
     /// The channel of commands.
     commands: Option<MessageChannel>,
     pending: Option<RecordedEvent>,
@@ -95,7 +95,7 @@ impl<R: Read> Recording<R> {
         let mut recording = Self {
             records: Records::new(bytes),
             setup: RecordedSetup::default(),
-            channel: None,
+            readings: None,
             commands: None,
             pending: None,
             has_started: false,
@@ -159,7 +159,7 @@ impl<R: Read> Recording<R> {
                 }
             };
             let decoded = match content {
-                Content::Message(id, data) => match (self.channel, self.commands) {
+                Content::Message(id, data) => match (self.readings, self.commands) {
                     (Some(channel), _) if channel.id == id => channel.decode_reading(data),
                     (_, Some(channel)) if channel.id == id => channel.decode_command(data),
                     _ => Ok(None),
@@ -196,7 +196,7 @@ impl<R: Read> Recording<R> {
                 channel.message_encoding
             )),
             READINGS_TOPIC => {
-                self.channel = known;
+                self.readings = known;
                 Ok(())
             }
             COMMANDS_TOPIC => {
@@ -235,7 +235,7 @@ impl<R: Read> Recording<R> {
         self.has_ended = true;
         let offset = self.records.complete_end();
         match stop {
-            Stop::Finished if self.channel.is_none() => Err(self.malformed(format!(
+            Stop::Finished if self.readings.is_none() => Err(self.malformed(format!(
                 "it has no channel `{READINGS_TOPIC}`; only recordings of `ademan record` can be replayed"
             ))),
             Stop::Finished => Ok(()),

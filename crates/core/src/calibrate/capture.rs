@@ -201,17 +201,15 @@ impl PoseCapture {
                 .map_or(Duration::ZERO, |(first, last)| last.since(first));
             // The first reading of a full window is up to one packet late.
             let fraction = held.as_secs_f32() / (HOLD.as_secs_f32() * 0.9);
-            self.state = if fraction >= 1.0 {
-                CaptureState::Captured
-            } else {
-                CaptureState::Holding(fraction)
-            };
-            if fraction >= 1.0 {
-                self.observation = Some(PoseObservation {
-                    pose: self.pose,
-                    channels: observed,
-                });
+            if fraction < 1.0 {
+                self.state = CaptureState::Holding(fraction);
+                return;
             }
+            self.state = CaptureState::Captured;
+            self.observation = Some(PoseObservation {
+                pose: self.pose,
+                channels: observed,
+            });
         }
     }
 

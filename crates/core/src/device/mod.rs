@@ -94,6 +94,13 @@ pub enum EventKind {
     Unselect(TargetId),
 }
 
+impl EventKind {
+    /// Returns `true` for a press of a key or button, and for a character.
+    pub const fn is_press(self) -> bool {
+        matches!(self, Self::KeyDown(_) | Self::Character(_))
+    }
+}
+
 /// A command that a device issues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimedCommand {

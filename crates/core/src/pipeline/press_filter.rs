@@ -189,7 +189,7 @@ impl PressFilters {
             push(event, later, &held, events);
         }
         let press_count =
-            |list: &[OutputEvent]| list.iter().filter(|event| is_press(event)).count();
+            |list: &[OutputEvent]| list.iter().filter(|event| event.kind.is_press()).count();
         press_count(&events[first..]).saturating_sub(press_count(&emitted))
     }
 }
@@ -227,11 +227,6 @@ fn push(event: OutputEvent, later: &[OutputEvent], held: &PressedKeys, events: &
         let kind = EventKind::KeyUp(key);
         events.push(OutputEvent { kind, ..event });
     }
-}
-
-/// Returns `true` for a press of a key or a button, and for a character.
-pub(super) fn is_press(event: &OutputEvent) -> bool {
-    matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_))
 }
 
 fn is_release(event: &OutputEvent) -> bool {

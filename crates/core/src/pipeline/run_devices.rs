@@ -3,7 +3,7 @@
 use super::Pipeline;
 use super::layout_instance::PressRules;
 use super::permissions::EventClass;
-use super::press_filter::{FilteredStep, is_press};
+use super::press_filter::FilteredStep;
 use crate::command::{Command, CommandOrigin};
 use crate::device::{EventKind, Events};
 use crate::hand::Side;
@@ -71,7 +71,7 @@ impl Pipeline {
         let within_limit = self.gate.filter(hand_of, first, added, events);
         let mut pressed = events[first..].iter().rev();
         if let Some(last) = pressed
-            .find(|event| is_press(event) && !is_modifier(event.kind))
+            .find(|event| event.kind.is_press() && !is_modifier(event.kind))
             .filter(|_| !has_decoder)
         {
             // A letter, or a key or button that may have moved the cursor.

@@ -93,7 +93,7 @@ impl OutputGate {
                 continue;
             }
             index += 1;
-            let is_added = added > 0 && is_press(event.kind);
+            let is_added = added > 0 && event.kind.is_press();
             added -= usize::from(is_added);
             let is_allowed = match event.kind {
                 EventKind::KeyUp(key) => self.pressed.release(key),
@@ -268,10 +268,6 @@ impl OutputGate {
         }
         is_inserted
     }
-}
-
-fn is_press(kind: EventKind) -> bool {
-    matches!(kind, EventKind::KeyDown(_) | EventKind::Character(_))
 }
 
 #[cfg(test)]
