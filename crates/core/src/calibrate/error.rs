@@ -5,7 +5,7 @@ use super::problem::{Problem, problem_messages};
 use crate::hand::Finger;
 use crate::message::escape;
 
-/// The reason why no calibration comes of the data. Each message states what is wrong and what to do.
+/// The reason why the data give no calibration. Each message states what is wrong and what to do.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CalibrationError {

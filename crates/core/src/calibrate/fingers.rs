@@ -75,7 +75,7 @@ pub fn finger_sensors(observations: &Observations, map: &ChannelMap) -> Option<V
 /// Returns the map with each sensor at the finger that it follows. `None` if all are there already, or if a finger has more
 /// sensors than in the map.
 ///
-/// Sensors of one finger keep their order from the knuckle outwards. A sensor that follows no finger fills a free place.
+/// Sensors of one finger keep their order from the knuckle outwards. A sensor that follows no finger gets a finger that lacks one.
 pub fn at_their_fingers(sensors: &[FingerSensor], map: &ChannelMap) -> Option<ChannelMap> {
     let places = places(sensors)?;
     let mut exchanged: Vec<(usize, usize)> = Vec::new();

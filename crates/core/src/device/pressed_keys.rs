@@ -7,9 +7,9 @@ use super::KeyCode;
 /// The direction of a key or button event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyDirection {
-    /// The key goes down.
+    /// The key is pressed.
     Press,
-    /// The key comes up.
+    /// The key is released.
     Release,
 }
 

@@ -103,7 +103,7 @@ fn file_name(path: &str) -> &str {
 
 impl DocumentError {
     /// Returns the error for a name that stands for no file. Its suggestion is the nearest of the shipped names of a kind, or of
-    /// all, and of `own`; without one it says where the names are.
+    /// all, and of `own`; without one it names the command that lists them.
     pub fn no_such_file(name: &str, kind: Option<FileKind>, own: &[String]) -> Self {
         let of_kind: Vec<&str> =
             kind.map_or_else(|| names().collect(), |it| it.shipped().collect());

@@ -32,7 +32,7 @@ pub enum NewPart {
         /// Key codes, separated by blanks.
         keys: String,
     },
-    /// A board with one key, at a distance to the right of the place where boards usually are.
+    /// A board with one key, at a distance to the right of the usual position of a board.
     Board {
         /// Distance.
         right_mm: f64,
@@ -142,7 +142,7 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
     Ok(vec![added(new, index)])
 }
 
-/// Returns a board with one control, at a distance to the right of the place where boards usually are.
+/// Returns a board with one control, at a distance to the right of the usual position of a board.
 fn board_with(right_mm: f64, kind: ControlKind, control: &str) -> String {
     let (pose, list) = (board_pose(right_mm), kind.list());
     format!("(\n    pose: {pose},\n    {list}: [\n        {control},\n    ],\n)")

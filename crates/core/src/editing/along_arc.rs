@@ -44,7 +44,7 @@ pub(super) fn repeat_along_arc(
     for copy in 1..count {
         let degrees = circle.step_deg * copy as f64;
         for (part, (at, _)) in parts.iter().zip(&places) {
-            let copied = duplicate(draft, &[*part], circle.way(*at, degrees))?;
+            let copied = duplicate(draft, &[*part], circle.displacement(*at, degrees))?;
             let turned: Vec<Part> = copied.iter().copied().filter(|it| can_turn(*it)).collect();
             turn(draft, &turned, degrees)?;
             all.extend(copied);
@@ -104,8 +104,8 @@ impl Circle {
         }
     }
 
-    /// Returns the way of a point that turns about the center.
-    fn way(&self, at: [f64; 2], degrees: f64) -> [f64; 2] {
+    /// Returns the displacement of a point that turns about the center.
+    fn displacement(&self, at: [f64; 2], degrees: f64) -> [f64; 2] {
         let from = [0, 1].map(|axis| at[axis] - self.center[axis]);
         let to = turned(from, degrees);
         [0, 1].map(|axis| to[axis] - from[axis])

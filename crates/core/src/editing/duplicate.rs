@@ -178,7 +178,7 @@ fn in_list(part: Part, index: usize) -> Part {
     }
 }
 
-/// Why a board whose keys are pressed by bending has no copy, and what does the same.
+/// The reason for which a board whose keys are pressed by bending has no copy, and the remedy.
 const BENT_REMEDY: &str = " while its keys are pressed by bending: a finger presses one key; add a layer or chords for more keys";
 
 /// Returns an error for a copy of a board of `source` whose keys are pressed by bending, if `draft` has such a board for the same

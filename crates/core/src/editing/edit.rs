@@ -14,7 +14,7 @@ use super::{
 
 /// An edit of a layout. Lengths in millimetres and angles in degrees of the file.
 ///
-/// A key of a row has no place and options of its own: if the whole row is among the parts, the row is edited; otherwise its
+/// A key of a row has no position and options of its own: if the whole row is among the parts, the row is edited; otherwise its
 /// key becomes a single key first, and the row is split around it. Deleting it, and binding it to another key, only change
 /// the row.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +93,7 @@ pub enum Edit {
     Mirror {
         /// Keys, controls or rows.
         parts: Vec<Part>,
-        /// Direction in which places are exchanged.
+        /// Direction in which positions are exchanged.
         axis: BoardAxis,
     },
     /// Moves the centers of controls to a grid.

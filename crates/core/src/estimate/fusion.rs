@@ -167,7 +167,7 @@ impl FusedEstimator {
     }
 }
 
-/// Adds the place, the angles and the joints of an arm.
+/// Adds the position, the angles and the joints of an arm.
 fn add_arm(arm: &Estimate, estimate: &mut Estimate) {
     estimate.root = arm.root;
     estimate.displacement = arm.displacement;

@@ -158,7 +158,7 @@ mod tests {
     const ROTATION: f64 = 0.3;
     const CONSISTENT: u8 = 3;
 
-    /// A hand at a place to the right, in metres, and the heights of its fingertips.
+    /// A hand at a position to the right, in metres, and the heights of its fingertips.
     struct Hand {
         right: f32,
         heights: [f32; Finger::COUNT],

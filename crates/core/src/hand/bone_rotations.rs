@@ -9,7 +9,7 @@ use super::{Finger, Side};
 use crate::names::named_enum;
 
 named_enum! {
-    /// A bone of an arm. The number in recordings is the place in this list: new bones come last.
+    /// A bone of an arm. The number in recordings is the index in this list: new bones come last.
     pub enum ArmBone ("bone") {
         /// The forearm.
         LowerArm = "lower-arm",

@@ -10,10 +10,10 @@ use crate::message::escape;
 /// The depth by which boards may overlap, in metres: far above rounding errors, far below what a person can see.
 const TOLERANCE: f32 = 1e-5;
 
-/// The largest number of overlaps that are found: thousands of boards in one place have millions, which fill the memory.
+/// The largest number of overlaps that are found: thousands of boards at one position have millions, which fill the memory.
 const MAX_OVERLAPS: usize = 1_000;
 
-/// Two boards in one place.
+/// Two boards at one position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardOverlap<'a> {
     /// The numbers of the boards in the file, from 1.

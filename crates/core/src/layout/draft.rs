@@ -9,7 +9,7 @@ use crate::document::{Document, DocumentError, DocumentFault, Node, read_tree};
 
 /// A layout as far as its text could be read, and the faults that prevent its use.
 ///
-/// Controls that overlap, have the name of another one or no action are in the layout. A control without a valid place is not.
+/// Controls that overlap, have the name of another one or no action are in the layout. A control without a valid position is not.
 #[derive(Clone, Debug)]
 pub struct LayoutDraft {
     /// The layout, to be drawn only: with faults, names may not be unique.

@@ -98,7 +98,7 @@ impl Pipeline {
 }
 
 impl LayoutInstance {
-    /// Returns `true` if the layout has controls that a hand reaches by its place, or a pointer.
+    /// Returns `true` if the layout has controls that a hand reaches by its position, or a pointer.
     fn has_place(&self) -> bool {
         let mut surfaces = self.scene().surfaces().iter();
         let has_board = surfaces.any(|surface| !surface.is_bent());
@@ -106,7 +106,7 @@ impl LayoutInstance {
         has_board || layout.is_some_and(|it| it.pointer.is_some() || !it.spaces.is_empty())
     }
 
-    /// Returns the control whose center is nearest to a fingertip of this hand; `None` if no control has a place.
+    /// Returns the control whose center is nearest to a fingertip of this hand; `None` if no control has a position.
     fn nearest_control(&self, pose: &HandPose, tip: Vec3) -> Option<NearestControl> {
         let surfaces = self.scene().surfaces().iter();
         let surfaces = surfaces.filter(|surface| !surface.is_bent());

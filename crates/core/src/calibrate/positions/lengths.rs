@@ -114,7 +114,7 @@ mod tests {
     use crate::time::Timestamp;
     use glam::DVec3;
 
-    /// Readings of a person in the flat hand and the pinch, with 2 mm of noise, and every 20th of another place.
+    /// Readings of a person in the flat hand and the pinch, with 2 mm of noise, and every 20th at another position.
     fn readings(hand: f64, forearm: f64, noise: f64) -> Vec<JointPositions> {
         let bones = BoneLengths::from_hand_and_forearm(hand, forearm).unwrap();
         let arm = ArmModel::anthropometric(Side::Right, &bones).unwrap();

@@ -35,7 +35,7 @@ pub struct OpenHand {
 }
 
 impl OpenHand {
-    /// Processes a reading of the hand. A reading without it, with a bent finger or at another place starts again.
+    /// Processes a reading of the hand. A reading without it, with a bent finger or at another position starts again.
     pub fn update(&mut self, time: Timestamp, positions: &JointPositions) -> HoldAdvice {
         let at = match (positions.get(Joint::IndexTip), is_open(positions)) {
             (Some(at), Some(true)) => at.as_vec3(),

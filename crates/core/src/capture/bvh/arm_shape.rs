@@ -116,7 +116,7 @@ impl ArmShape {
         self.bones[index].parent.map(|_| self.lengths[index])
     }
 
-    /// Returns the place of a joint in the T pose from the first joint, in metres: X to the left of the person, Y up, Z to the
+    /// Returns the position of a joint in the T pose from the first joint, in metres: X to the left of the person, Y up, Z to the
     /// front.
     pub fn rest(&self, joint: Joint) -> Option<DVec3> {
         let bone = self.bones.iter().find(|bone| bone.joint == joint)?;
@@ -165,7 +165,7 @@ fn known_joints(poses: &[JointPositions]) -> Vec<Joint> {
     Joint::ALL.iter().filter(is_known).copied().collect()
 }
 
-/// Returns the nearest known joint on the way from a joint to the shoulder.
+/// Returns the nearest known joint from a joint towards the shoulder.
 pub fn parent_of(joint: Joint, known: &[Joint]) -> Option<Joint> {
     let arm = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
     let finger = Finger::ALL.iter().map(|finger| finger.joints());
@@ -205,7 +205,7 @@ fn is_metacarpal(joint: Joint) -> bool {
     others.into_iter().any(|finger| finger.joints()[0] == joint)
 }
 
-/// Returns the way between two joints in the frame of the palm: X along it, Y to the side of the thumb.
+/// Returns the displacement between two joints in the frame of the palm: X along it, Y to the side of the thumb.
 fn in_palm(pose: &JointPositions, from: Joint, to: Joint) -> Option<DVec3> {
     let index = pose.get(Joint::IndexPhalanxProximal)?;
     let little = pose

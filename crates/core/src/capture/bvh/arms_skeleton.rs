@@ -213,7 +213,7 @@ impl ArmsSkeleton {
         DMat3::from_cols(x, z.cross(x), z)
     }
 
-    /// Returns the place of the hips under the shoulders.
+    /// Returns the position of the hips under the shoulders.
     fn hips(&self, arms: &[JointPositions; Side::COUNT], rotation: &DMat3) -> DVec3 {
         let shoulders =
             self.joints

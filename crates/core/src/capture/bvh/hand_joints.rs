@@ -28,7 +28,7 @@ pub enum HandJointsError {
         /// `true` if a joint is named as the wrist of the other hand.
         has_other: bool,
     },
-    /// Two joints in different places have names of one joint, and neither is better.
+    /// Two joints at different positions have names of one joint, and neither is better.
     #[error(
         "{} and {} are both names of the {joint} of the {side} hand; rename the one that is another joint",
         shown(names[0].as_bytes()),
@@ -114,7 +114,7 @@ impl HandJoints {
         Ok(joints)
     }
 
-    /// Adds a joint that a name states. An error if another name as good states it at another place.
+    /// Adds a joint that a name states. An error if another name as good states it at another position.
     fn add_named(
         &mut self,
         joint: Joint,
@@ -167,7 +167,7 @@ impl HandJoints {
     }
 }
 
-/// Returns `true` if a node has the place of an earlier one in every pose without position channels.
+/// Returns `true` if a node has the position of an earlier one in every pose without position channels.
 fn coincide(nodes: &[Node], earlier: usize, later: usize) -> bool {
     let (earlier_node, later_node) = (&nodes[earlier], &nodes[later]);
     match later_node.parent {

@@ -43,14 +43,14 @@ pub struct Observation<'a> {
     pub ray: Ray,
 }
 
-/// A place where a marker is expected.
+/// A position at which a marker is expected.
 #[derive(Clone, Copy, Debug)]
 pub struct Expected<'a> {
     /// The name of the marker, if it has one.
     pub label: Option<&'a str>,
-    /// The place.
+    /// The position.
     pub point: DVec3,
-    /// The standard deviation of the place.
+    /// The standard deviation of the position.
     pub deviation: f64,
 }
 

@@ -197,7 +197,7 @@ impl Track {
         }
     }
 
-    /// Returns the place to which the marker has moved on at a time.
+    /// Returns the position to which the marker has moved on at a time.
     fn at(&self, seconds: f64) -> DVec3 {
         let way = self.velocity.unwrap_or_default() * (seconds - self.seen);
         self.position + way

@@ -458,7 +458,7 @@ impl KeyArbiter {
     }
 }
 
-/// Returns events as text, for tests of the parts: `+A` for a key that goes down, `-A` for one that comes up, and characters.
+/// Returns events as text, for tests of the parts: `+A` for a press, `-A` for a release, and characters.
 #[cfg(test)]
 fn words(events: &Events) -> String {
     let words = events.iter().map(|event| match event.kind {

@@ -147,7 +147,7 @@ impl KeyArbiter {
         time: Timestamp,
         events: &mut Events,
     ) -> bool {
-        // Shift comes up and goes down, Backspace and the letter are tapped.
+        // Shift is released and pressed again, Backspace and the letter are tapped.
         let room = 2 * MODIFIER_COUNT + 4;
         if events.remaining_capacity() < room + 2 * (1 + MODIFIER_COUNT) + self.pressed_keys.len() {
             self.cycle = before;

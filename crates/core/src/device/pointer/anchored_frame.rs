@@ -10,9 +10,9 @@ use crate::kinematics::HandPose;
 /// the wearer, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AnchoredFrame {
-    /// The world, a joint, or the place of the hand at the start.
+    /// The world, a joint, or the position of the hand at the start.
     pub anchor: Anchor,
-    /// The point of the open hand whose place is [`Anchor::Start`].
+    /// The point of the open hand whose position is [`Anchor::Start`].
     pub start: HandPoint,
     /// The pose relative to the position of the anchor, in the world's axes.
     pub anchor_from_frame: Pose,

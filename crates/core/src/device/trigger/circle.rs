@@ -29,7 +29,7 @@ const MAX_TURN_TIME: f32 = 2.5;
 /// The smallest mean radius, in metres. The path of a fingertip from key to key reaches 30 mm.
 const MIN_RADIUS: f32 = 0.035;
 
-/// The least area of a circle as a fraction of a round one with the same length of way. An ellipse 3.4 times as long as
+/// The least area of a circle as a fraction of a round one of the same length. An ellipse 3.4 times as long as
 /// wide has 0.6.
 const MIN_ROUNDNESS: f32 = 0.6;
 
@@ -61,21 +61,21 @@ pub(super) struct CircleMotion {
     is_known: bool,
 }
 
-/// The way of a point in a plane since it began to turn in one direction.
+/// The path of a point in a plane since it began to turn in one direction.
 #[derive(Clone, Debug, Default)]
 struct Turning {
     /// The end of the last chord.
     last: Option<(Timestamp, Vec2)>,
     /// The direction of the last chord, of length 1.
     heading: Option<Vec2>,
-    /// The time and the place at which the way begins.
+    /// The time and the position at which the path begins.
     since: Timestamp,
     origin: Vec2,
     /// The sum of the turns from chord to chord in radians, counter-clockwise, and the largest one since the beginning.
     angle: f32,
     furthest: f32,
-    /// The length of the way in metres, and the area around which it leads in square metres, counter-clockwise.
-    way: f32,
+    /// The length of the path in metres, and the area that it encloses in square metres, counter-clockwise.
+    length: f32,
     area: f32,
 }
 
@@ -148,12 +148,12 @@ impl Turning {
         if angle.abs() > self.furthest.abs() {
             self.furthest = angle;
         }
-        self.way += length;
+        self.length += length;
         self.area += (last - self.origin).perp_dot(at - self.origin) / 2.0;
         self.last = Some((time, at));
     }
 
-    /// Begins another way at a place, with the direction of the chord that led to it.
+    /// Begins another path at a position, with the direction of the chord that led to it.
     fn restart(&mut self, time: Timestamp, at: Vec2, heading: Option<Vec2>) {
         *self = Self {
             last: Some((time, at)),
@@ -164,15 +164,15 @@ impl Turning {
         };
     }
 
-    /// Returns the number of turns, counter-clockwise; 0 if the way is too slow, small or not round.
+    /// Returns the number of turns, counter-clockwise; 0 if the path is too slow, too small or not round.
     fn turns(&self) -> f32 {
         let turns = self.angle / TAU;
         let seconds = self
             .last
             .map_or(0.0, |(time, _)| time.since(self.since).as_secs_f32());
-        // Positive if the way leads around what is on the side to which it turns. A round way of n turns has way² / (4 π n).
+        // Positive if the path encloses the side to which it turns. A round path of n turns encloses length² / (4 π n).
         let area = self.area * turns.signum();
-        let round = self.way * self.way / (4.0 * PI * turns.abs());
+        let round = self.length * self.length / (4.0 * PI * turns.abs());
         let smallest = PI * MIN_RADIUS * MIN_RADIUS * turns.abs();
         let is_circle = seconds <= turns.abs() * MAX_TURN_TIME
             && area >= MIN_ROUNDNESS * round

@@ -28,7 +28,7 @@ const MAX_GAP: Duration = Duration::from_millis(250);
 /// The time in which the reversals of a shake count.
 const SHAKE_TIME: Duration = Duration::from_secs(1);
 
-/// The shortest way between two reversals of a shake, in metres: hands that type turn back more often after shorter ways.
+/// The shortest distance between two reversals of a shake, in metres: hands that type turn back more often after shorter ones.
 const SHAKE_WAY: f32 = 0.1;
 
 /// Reversals that are counted: a hand turns back fewer times in a second.
@@ -53,7 +53,7 @@ named_enum! {
 pub(super) struct PalmMotion {
     /// Oldest first.
     positions: ArrayVec<(Timestamp, Vec3), MAX_POSITIONS>,
-    /// The time and the place of the last reading.
+    /// The time and the position of the last reading.
     last: Option<(Timestamp, Vec3)>,
     /// The reversals by axis of the world.
     reversals: [Reversals; 3],

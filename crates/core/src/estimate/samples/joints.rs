@@ -131,7 +131,7 @@ fn is_measured(positions: &JointPositions, joint: Joint) -> bool {
     positions.get(joint).is_some() && !positions.is_predicted(joint)
 }
 
-/// Returns `true` if two or more joints are all at one place, as a tracker reports that has lost the hand.
+/// Returns `true` if two or more joints are all at one position, as reported by a tracker that has lost the hand.
 fn all_coincide(positions: &JointPositions) -> bool {
     let mut known = positions.known();
     let Some((_, first)) = known.next() else {

@@ -114,14 +114,14 @@ pub enum Handle {
     },
     /// A stick that is pushed to all sides.
     Stick {
-        /// Way to each side, in metres.
+        /// Travel to each side, in metres.
         half: f32,
     },
     /// An area on which a finger slides.
     Area,
     /// A handle on an area, which is under the finger.
     Pad {
-        /// Way to each side, in metres.
+        /// Travel to each side, in metres.
         half: Vec2,
     },
 }

@@ -7,7 +7,7 @@ use crate::capture::markers::{ElbowCenter, wrist_center};
 use crate::hand::{Joint, JointPositions, Side};
 use crate::message::escape;
 
-/// The place of a marker on the arm or hand.
+/// The site of a marker on the arm or hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MarkerSite {
     /// Over a joint.
@@ -26,7 +26,7 @@ pub(super) struct SeenMarker {
 }
 
 impl MarkerSite {
-    /// Returns the place that a label states; `None` if it is of the other hand or of another part of the body. A label
+    /// Returns the site that a label states; `None` if it is of the other hand or of another part of the body. A label
     /// without a side is of `hand`.
     pub fn from_label(label: &str, hand: Side) -> Option<Self> {
         let letters = label.chars().filter(char::is_ascii_alphanumeric);
@@ -127,7 +127,7 @@ impl HandMarkers {
         }
     }
 
-    /// Returns the joint positions in the unit of the markers. Of two markers at one place, the first counts. The wrist
+    /// Returns the joint positions in the unit of the markers. Of two markers at one site, the first counts. The wrist
     /// needs both markers on its sides, which show the turn of the forearm too, or one over its center.
     pub fn joints(&mut self, markers: &[SeenMarker]) -> JointPositions {
         let mut positions = JointPositions::default();
