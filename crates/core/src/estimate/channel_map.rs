@@ -196,9 +196,7 @@ impl ChannelMap {
 
     /// Returns the hysteresis of a channel in counts, 0 if it has none.
     pub fn hysteresis(&self, channel: usize) -> f64 {
-        let mut own = self.hystereses.iter();
-        let own = own.find(|(other, _)| *other == channel);
-        own.map_or(0.0, |(_, counts)| *counts)
+        value_of(&self.hystereses, channel).unwrap_or(0.0)
     }
 
     /// Returns the calibrated ranges of channels, in counts; see [`with_ranges`](Self::with_ranges).
@@ -208,16 +206,13 @@ impl ChannelMap {
 
     /// Returns the calibrated range of a channel; `None` if it is not known or empty.
     pub fn range(&self, channel: usize) -> Option<CountRange> {
-        let mut ranges = self.ranges.iter();
-        let (_, range) = ranges.find(|(other, _)| *other == channel)?;
-        (range.0 < range.1).then_some(*range)
+        value_of(&self.ranges, channel).filter(|range| range.0 < range.1)
     }
 
     /// Returns the map from the counts of a channel to linear counts.
     pub fn linearity(&self, channel: usize) -> Linearity {
-        let mut curvatures = self.curvatures.iter();
-        let own = curvatures.find(|(other, _)| *other == channel);
-        Linearity::new(own.map_or(0.0, |(_, counts)| *counts), self.full_scale)
+        let curvature = value_of(&self.curvatures, channel).unwrap_or(0.0);
+        Linearity::new(curvature, self.full_scale)
     }
 
     /// Returns the angle of a row at a count, in radians.
@@ -267,6 +262,12 @@ impl ChannelMap {
             },
         )
     }
+}
+
+/// Returns the first value of a channel in a list of channels and values.
+fn value_of<T: Copy>(values: &[(usize, T)], channel: usize) -> Option<T> {
+    let own = values.iter().find(|(other, _)| *other == channel);
+    own.map(|(_, value)| *value)
 }
 
 /// Returns the channels of rows, each once, in ascending order.
