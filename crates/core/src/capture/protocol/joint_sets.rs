@@ -16,7 +16,8 @@ use super::encoder::{hands, time_us};
 use super::lines::{LineDecoder, LineParser};
 use super::space::{self, HAND};
 use super::tracked_hands::{
-    BestHands, Label, MAX_HANDS, MIN_SCORE, RATE, TrackedHands, TrackedPosition, check_score,
+    BestHands, Label, MAX_HANDS, MIN_SCORE, RATE, TrackedHands, TrackedPosition, certain,
+    check_score,
 };
 use super::{
     Carriers, Encoder, EncoderPlan, InvalidPacket, Packet, PacketError, PositionNoise, Protocol,
@@ -103,10 +104,6 @@ struct Hand {
     #[serde(default = "certain")]
     score: f64,
     joints: ArrayVec<TrackedPosition, OPENXR_JOINTS>,
-}
-
-fn certain() -> f64 {
-    1.0
 }
 
 impl<const JOINTS: usize> JointParser<JOINTS> {

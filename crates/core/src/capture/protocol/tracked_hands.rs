@@ -26,6 +26,11 @@ pub(super) const MIN_SCORE: ProtocolOption = ProtocolOption {
     },
 };
 
+/// Returns the score of a hand in a line that states none.
+pub(super) fn certain() -> f64 {
+    1.0
+}
+
 /// Lines per second of a file without times.
 pub(super) const RATE: ProtocolOption = ProtocolOption {
     name: "rate_hz",

@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use serde::Deserialize;
 
 use super::camera::HAND_LANDMARKS;
-use crate::capture::protocol::tracked_hands::{Label, MAX_HANDS, Position};
+use crate::capture::protocol::tracked_hands::{Label, MAX_HANDS, Position, certain};
 
 /// The hands of one image.
 #[derive(Debug, Deserialize)]
@@ -23,8 +23,4 @@ pub(in crate::capture::protocol) struct Hand {
     pub score: f64,
     pub world: Option<ArrayVec<Position, HAND_LANDMARKS>>,
     pub image: Option<ArrayVec<Position, HAND_LANDMARKS>>,
-}
-
-fn certain() -> f64 {
-    1.0
 }
