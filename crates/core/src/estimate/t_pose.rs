@@ -353,6 +353,13 @@ mod tests {
         BodyPoints { positions }
     }
 
+    fn random_body(random: &mut fastrand::Rng) -> BodyPoints {
+        let position = |_| DVec3::from_array(std::array::from_fn(|_| random.f64()));
+        BodyPoints {
+            positions: [(); BodyPoint::COUNT].map(position),
+        }
+    }
+
     #[test]
     fn all_angles_of_the_t_pose_are_zero() {
         let rotations = t_pose().rotations().expect("a body");
@@ -366,10 +373,7 @@ mod tests {
     fn the_rotations_give_the_directions_of_all_bones_again() {
         let mut random = fastrand::Rng::with_seed(5);
         for _ in 0..200 {
-            let position = |_| DVec3::from_array(std::array::from_fn(|_| random.f64()));
-            let body = BodyPoints {
-                positions: [(); BodyPoint::COUNT].map(position),
-            };
+            let body = random_body(&mut random);
             let rotations = body.rotations().expect("a body");
             let mut world = [DMat3::IDENTITY; BodyJoint::COUNT];
             for &joint in BodyJoint::ALL {
@@ -391,10 +395,7 @@ mod tests {
     fn rotations_and_lengths_give_the_positions_again() {
         let mut random = fastrand::Rng::with_seed(6);
         for _ in 0..200 {
-            let position = |_| DVec3::from_array(std::array::from_fn(|_| random.f64()));
-            let body = BodyPoints {
-                positions: [(); BodyPoint::COUNT].map(position),
-            };
+            let body = random_body(&mut random);
             let rotations = body.rotations().expect("a body");
             let again = rotations.points(body.root_position(), &body.lengths());
             for &point in BodyPoint::ALL {

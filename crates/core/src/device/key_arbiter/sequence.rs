@@ -391,14 +391,7 @@ mod tests {
     fn a_step_without_room_is_taken_later() {
         let mut arbiter = arbiter();
         start(&mut arbiter);
-        let mut events = Events::new();
-        while !events.is_full() {
-            events.push(crate::device::OutputEvent {
-                time: Timestamp(0),
-                kind: EventKind::MoveBy(1, 0),
-            });
-        }
-        arbiter.advance_sequence(&hand(Side::Right, 0), &mut events);
+        arbiter.advance_sequence(&hand(Side::Right, 0), &mut with_room(0));
         assert_eq!(run(&mut arbiter, 10, 20), "10: +ControlLeft");
     }
 

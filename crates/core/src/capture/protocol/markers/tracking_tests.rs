@@ -147,6 +147,14 @@ fn arm(time: f64) -> Vec<(&'static str, DVec3, Joint)> {
     ]
 }
 
+/// Returns the markers of an [`arm`], seen by all cameras.
+fn markers_of(arm: &[(&'static str, DVec3, Joint)]) -> Vec<Shown<'static>> {
+    let markers = arm.iter();
+    markers
+        .map(|&(label, point, _)| shown(label, point))
+        .collect()
+}
+
 #[test]
 fn labels_of_one_camera_are_right_in_every_frame_with_noise() {
     for cameras in [2, 3, 4] {
@@ -156,11 +164,7 @@ fn labels_of_one_camera_are_right_in_every_frame_with_noise() {
             let (mut worst, mut missing) = (0.0_f64, 0);
             for frame in 0..500 {
                 let arm = arm(frame as f64 / rate_hz as f64);
-                let markers: Vec<Shown> = arm
-                    .iter()
-                    .map(|(label, point, _)| shown(label, *point))
-                    .collect();
-                let line = film.line(&markers, true);
+                let line = film.line(&markers_of(&arm), true);
                 let positions = decode(&mut *decoder, &line).unwrap_or_default();
                 for (_, point, joint) in arm {
                     match positions.get(joint) {
@@ -241,11 +245,7 @@ fn a_marker_that_jumps_is_found_where_it_is() {
     for frame in 0..200_u32 {
         // Another pose of the same hand in each line.
         let arm = arm(f64::from(frame * 977 % 1009));
-        let markers: Vec<Shown> = arm
-            .iter()
-            .map(|(label, point, _)| shown(label, *point))
-            .collect();
-        let line = film.line(&markers, true);
+        let line = film.line(&markers_of(&arm), true);
         let positions = decode(&mut *decoder, &line).unwrap_or_default();
         for (_, point, joint) in arm {
             if let Some(found) = positions.get(joint)
