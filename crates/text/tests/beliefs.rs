@@ -9,9 +9,8 @@ use support::simulated::keyboard;
 
 #[test]
 fn letters_in_the_wrong_order_are_learned_and_become_more_or_less_likely() {
-    let bytes = english();
     let learned = |typed: &str| {
-        let mut field = Field::new(&bytes, Mode::Auto);
+        let mut field = Field::new(Mode::Auto);
         for _ in 0..20 {
             field.types(typed);
         }
@@ -31,14 +30,13 @@ fn letters_in_the_wrong_order_are_learned_and_become_more_or_less_likely() {
 
 #[test]
 fn a_tap_between_period_and_comma_ends_a_long_sentence_and_no_short_one() {
-    let bytes = english();
     let keyboard = keyboard();
     let center =
         |character: char| keyboard.keys()[keyboard.index(character).expect("a key")].center;
     let [comma, period] = [center(','), center('.')];
     let between = std::array::from_fn(|axis| (comma[axis] + period[axis]) / 2.0);
     let read = |text: &str| {
-        let model = Model::from_bytes(&bytes).expect("a model");
+        let model = Model::from_bytes(english()).expect("a model");
         let touch = TouchModel::new(Prior::default());
         let mut decoder = Decoder::new(model, keyboard.clone(), touch, Options::default());
         for [x, y] in text.chars().map(center).chain([between]) {
@@ -61,7 +59,6 @@ fn a_tap_between_period_and_comma_ends_a_long_sentence_and_no_short_one() {
 
 #[test]
 fn an_error_that_is_never_believed_is_not_free() {
-    let bytes = english();
     let never = -1_000.0;
     let options = Options {
         omission: never,
@@ -70,21 +67,20 @@ fn an_error_that_is_never_believed_is_not_free() {
         missing_space: never,
         ..Options::default()
     };
-    let mut field = Field::with(&bytes, Mode::Auto, Restored::default(), options);
+    let mut field = Field::with(Mode::Auto, Restored::default(), options);
     // Each of them is an error of one of these kinds.
     for typed in ["teh ", "wisdm ", "wisdxom ", "worldof "] {
         field.types(typed);
         assert!(field.text.ends_with(typed), "{}", field.text);
     }
-    let mut usual = Field::new(&bytes, Mode::Auto);
+    let mut usual = Field::new(Mode::Auto);
     usual.types("teh ");
     assert_eq!(usual.text, "the ");
 }
 
 #[test]
 fn the_rest_of_a_word_is_no_unknown_word() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     for _ in 0..15 {
         // An arrow, for example.
         field.corrector.leave();

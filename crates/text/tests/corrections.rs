@@ -4,14 +4,13 @@ mod support;
 
 use ademan_text::build::Builder;
 use ademan_text::correction::Restored;
-use ademan_text::{Corrector, Decoder, Mode, Model, Options, Prior, SwipePath, Tap, TouchModel};
+use ademan_text::{Corrector, Mode, Options, SwipePath, Tap};
 use support::field::{Field, english};
 use support::simulated::{PITCH, keyboard};
 
 #[test]
 fn a_word_is_corrected_at_its_end_in_one_burst() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.types("teh");
     assert_eq!(field.text, "teh", "letters are typed at once");
     field.types(" ");
@@ -27,14 +26,13 @@ fn a_word_is_corrected_at_its_end_in_one_burst() {
 
 #[test]
 fn spaces_are_moved_and_apostrophes_and_names_are_set() {
-    let bytes = english();
     for (typed, shown) in [
         ("the wisdomof the ", "the wisdom of the "),
         ("the wis dom of ", "the wisdom of "),
         ("i dont ", "I don't "),
         ("the helo world ", "the hello world "),
     ] {
-        let mut field = Field::new(&bytes, Mode::Auto);
+        let mut field = Field::new(Mode::Auto);
         field.types(typed);
         assert_eq!(field.text, shown);
     }
@@ -42,8 +40,7 @@ fn spaces_are_moved_and_apostrophes_and_names_are_set() {
 
 #[test]
 fn one_backspace_restores_what_was_typed_and_the_word_is_not_changed_again() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.types("teh ");
     field.backspace();
     assert_eq!(field.text, "teh ");
@@ -52,7 +49,7 @@ fn one_backspace_restores_what_was_typed_and_the_word_is_not_changed_again() {
     assert!(field.corrector.restored().words().eq(["teh"]));
     // The knowledge can be stored.
     let stored = field.corrector.restored().clone();
-    let mut restored = Field::with(&bytes, Mode::Auto, stored, Options::default());
+    let mut restored = Field::with(Mode::Auto, stored, Options::default());
     restored.types("teh ");
     assert_eq!(restored.text, "teh ");
     // A second Backspace deletes as usual.
@@ -64,8 +61,7 @@ fn one_backspace_restores_what_was_typed_and_the_word_is_not_changed_again() {
 
 #[test]
 fn a_backspace_inside_a_word_takes_its_tap_back() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.types("teh wordl");
     field.backspace();
     field.backspace();
@@ -81,8 +77,7 @@ fn a_backspace_inside_a_word_takes_its_tap_back() {
 
 #[test]
 fn text_that_is_deleted_into_is_left_alone() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.types("teh cat ");
     field.backspace();
     field.backspace();
@@ -95,8 +90,7 @@ fn text_that_is_deleted_into_is_left_alone() {
 
 #[test]
 fn literal_mode_passes_every_press_on() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Literal);
+    let mut field = Field::new(Mode::Literal);
     let typed = "teh WISDOMof  x1!;é \u{1f600} qiuck.";
     for character in typed.chars() {
         field.tap([3.0, 3.0], character);
@@ -111,20 +105,13 @@ fn literal_mode_passes_every_press_on() {
 
 #[test]
 fn suggest_mode_changes_only_what_is_accepted() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Suggest);
+    let mut field = Field::new(Mode::Suggest);
     field.types("teh ");
     assert_eq!(field.text, "teh ");
-    let candidates: Vec<String> = field
-        .corrector
-        .candidates()
-        .iter()
-        .map(|one| one.text.clone())
-        .collect();
+    let candidates = field.candidates();
     assert_eq!(candidates[0], "the ");
     assert!(candidates.contains(&"teh ".to_owned()), "{candidates:?}");
-    let edits = field.corrector.accept(0).to_vec();
-    Field::apply(&mut field.text, &edits);
+    field.accept(0);
     assert_eq!(field.text, "the ");
     field.backspace();
     assert_eq!(field.text, "teh ");
@@ -132,22 +119,18 @@ fn suggest_mode_changes_only_what_is_accepted() {
 
 #[test]
 fn an_accepted_candidate_is_followed_by_a_space_and_not_changed_by_what_follows() {
-    let bytes = english();
     for mode in [Mode::Suggest, Mode::Auto] {
-        let mut field = Field::new(&bytes, mode);
+        let mut field = Field::new(mode);
         field.types("teh");
-        let candidates = field.corrector.candidates();
-        let index = candidates.iter().position(|one| one.text == "the");
-        let edits = field.corrector.accept(index.expect("the word")).to_vec();
-        Field::apply(&mut field.text, &edits);
+        let index = field.candidates().iter().position(|one| one == "the");
+        field.accept(index.expect("the word"));
         assert_eq!(field.text, "the ");
         field.types("cat ");
         assert_eq!(field.text, "the cat ");
         field.types("wrdl");
-        let typed = field.corrector.candidates();
-        let typed = typed.iter().position(|one| one.text.ends_with("wrdl"));
-        let typed_edits = field.corrector.accept(typed.expect("it is one")).to_vec();
-        Field::apply(&mut field.text, &typed_edits);
+        let candidates = field.candidates();
+        let typed = candidates.iter().position(|one| one.ends_with("wrdl"));
+        field.accept(typed.expect("it is one"));
         assert_eq!(field.text, "the cat wrdl ");
         field.types("cat ");
         assert_eq!(field.text, "the cat wrdl cat ");
@@ -156,10 +139,9 @@ fn an_accepted_candidate_is_followed_by_a_space_and_not_changed_by_what_follows(
 
 #[test]
 fn a_candidate_that_is_taken_back_inside_a_word_leaves_the_rest_of_the_word_alone() {
-    let mut field = Field::new(ademan_text::languages::ENGLISH, Mode::Auto);
+    let mut field = Field::auto(ademan_text::languages::ENGLISH);
     field.types("th");
-    let edits = field.corrector.accept(1).to_vec();
-    Field::apply(&mut field.text, &edits);
+    field.accept(1);
     assert!(field.text.ends_with(' '), "{}", field.text);
     field.backspace();
     assert_eq!(field.text, "th");
@@ -173,8 +155,7 @@ fn a_candidate_that_is_taken_back_inside_a_word_leaves_the_rest_of_the_word_alon
 
 #[test]
 fn the_rest_of_a_word_behind_the_cursor_is_not_corrected() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.types("cat");
     field.corrector.leave();
     field.types("hte teh ");
@@ -188,8 +169,7 @@ fn the_rest_of_a_word_behind_the_cursor_is_not_corrected() {
 
 #[test]
 fn a_pause_drops_what_is_pending() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.types("te");
     field.corrector.reset();
     field.types("h ");
@@ -206,8 +186,8 @@ fn a_pause_drops_what_is_pending() {
 
 #[test]
 fn numbers_signs_and_unknown_words_are_left_alone() {
-    for bytes in [english().as_slice(), ademan_text::languages::ENGLISH] {
-        let mut field = Field::new(bytes, Mode::Auto);
+    for bytes in [english(), ademan_text::languages::ENGLISH] {
+        let mut field = Field::auto(bytes);
         let typed = "xk47 1984 a-b zyzzogeton 3.14 kubectl 10-12 blorft, ";
         field.types(typed);
         assert_eq!(field.text, typed);
@@ -216,19 +196,12 @@ fn numbers_signs_and_unknown_words_are_left_alone() {
 
 #[test]
 fn sentences_start_with_a_capital_if_asked_to() {
-    let bytes = english();
-    let model = Model::from_bytes(&bytes).expect("a model");
-    let touch = TouchModel::new(Prior::default());
-    let decoder = Decoder::new(model, keyboard(), touch, Options::default());
-    let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
-    let keyboard = keyboard();
-    let mut text = String::new();
+    let mut field = Field::on(english(), keyboard(), Options::default());
     for character in "hello world. the cat ".chars() {
-        let key = keyboard.keys()[keyboard.index(character).expect("a key")];
-        let [x, y] = key.center;
-        Field::apply(&mut text, corrector.press(Tap::at(x, y)));
+        let [x, y] = field.center(character);
+        Field::apply(&mut field.text, field.corrector.press(Tap::at(x, y)));
     }
-    assert_eq!(text, "Hello world. The cat ");
+    assert_eq!(field.text, "Hello world. The cat ");
 }
 
 #[test]
@@ -240,24 +213,23 @@ fn accents_are_set_by_likelihood() {
     let sentence = "¿cómo está?\nalto como él\n";
     builder.text(&sentence.repeat(5));
     let bytes = builder.build().expect("a model");
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::auto(&bytes);
     field.types("como esta ");
     assert_eq!(field.text, "cómo está ");
-    let mut other_field = Field::new(&bytes, Mode::Auto);
+    let mut other_field = Field::auto(&bytes);
     other_field.types("alto como el nino ");
     assert_eq!(other_field.text, "alto como él niño ");
 }
 
 #[test]
 fn a_long_text_stays_in_step() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     for _ in 0..200 {
         field.types("the cta ");
     }
     assert_eq!(field.text, "the cat ".repeat(200));
     // A word without an end.
-    let mut endless_field = Field::new(&bytes, Mode::Auto);
+    let mut endless_field = Field::new(Mode::Auto);
     let endless = "x".repeat(2_000);
     endless_field.types(&endless);
     endless_field.types(" teh ");
@@ -266,8 +238,7 @@ fn a_long_text_stays_in_step() {
 
 #[test]
 fn a_sentence_behind_a_committed_one_is_corrected() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     // Long enough that the decoder commits at the period, in front of the space.
     let sentence = "the quick brown fox and the lazy dog and the quick brown fox.";
     field.types(sentence);
@@ -286,8 +257,7 @@ fn a_sentence_behind_a_committed_one_is_corrected() {
 
 #[test]
 fn a_letter_behind_a_sentence_has_no_empty_candidate() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Suggest);
+    let mut field = Field::new(Mode::Suggest);
     field.types("the cat. ");
     field.corrector.reset();
     // Far from the space bar, and near it: a space that was missed offers no word.
@@ -302,20 +272,18 @@ fn a_letter_behind_a_sentence_has_no_empty_candidate() {
 
 #[test]
 fn a_quotation_mark_behind_a_comma_stays() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.types("the fox,' the dog ");
     assert_eq!(field.text, "the fox,' the dog ");
 }
 
 #[test]
 fn what_was_corrected_stays_while_no_word_is_complete() {
-    let bytes = english();
     let options = Options {
         beam: 1,
         ..Options::default()
     };
-    let mut field = Field::with(&bytes, Mode::Auto, Restored::default(), options);
+    let mut field = Field::with(Mode::Auto, Restored::default(), options);
     field.types("thr w");
     assert_eq!(field.text, "the w");
     // An `o` that hit the hyphen: the only hypothesis is in the middle of `world`.
@@ -328,7 +296,7 @@ fn what_was_corrected_stays_while_no_word_is_complete() {
 
 #[test]
 fn the_first_letter_behind_unknown_text_is_no_space() {
-    let mut field = Field::new(ademan_text::languages::ENGLISH, Mode::Auto);
+    let mut field = Field::auto(ademan_text::languages::ENGLISH);
     field.corrector.reset();
     field.types("n2a ");
     assert_eq!(field.text, "n2a ");
@@ -339,8 +307,7 @@ fn the_first_letter_behind_unknown_text_is_no_space() {
 
 #[test]
 fn lines_are_learned_from() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     let known = |at: &Field| at.corrector.decoder().touch().person.taps;
     field.types("the cat");
     assert_eq!(known(&field), 0.0);
@@ -352,7 +319,7 @@ fn lines_are_learned_from() {
     assert!(known(&field) > at_pause + 5.0, "{}", known(&field));
     assert_eq!(field.text, "the cat the cat sat");
     // Nothing is learned from a line that stays although another text is more probable.
-    let mut other = Field::new(&bytes, Mode::Suggest);
+    let mut other = Field::new(Mode::Suggest);
     for leave in [Corrector::reset, Corrector::start_word] {
         other.types("teh");
         leave(&mut other.corrector);
@@ -362,8 +329,7 @@ fn lines_are_learned_from() {
 
 #[test]
 fn a_copy_reads_on_as_the_original_does() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.types("the wisdom of teh ");
     let mut copy = field.corrector.clone();
     for character in "wrold ".chars() {
@@ -379,8 +345,7 @@ fn a_copy_reads_on_as_the_original_does() {
 #[test]
 fn a_swiped_word_replaces_its_letter_and_one_backspace_deletes_all_of_it() {
     for mode in [Mode::Suggest, Mode::Auto] {
-        let bytes = english();
-        let mut field = Field::new(&bytes, mode);
+        let mut field = Field::new(mode);
         field.types("the ");
         field.swipes("quick");
         assert_eq!(field.text, "the quick ");
@@ -395,8 +360,7 @@ fn a_swiped_word_replaces_its_letter_and_one_backspace_deletes_all_of_it() {
 
 #[test]
 fn a_swipe_that_starts_beside_its_first_letter_replaces_it() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.swipes("quick");
     field.backspace();
     assert_eq!(field.text, "");
@@ -414,19 +378,12 @@ fn a_swipe_that_starts_beside_its_first_letter_replaces_it() {
 
 #[test]
 fn a_candidate_replaces_a_swiped_word_and_is_context_for_the_next() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.swipes("cat");
-    let candidates: Vec<String> = field
-        .corrector
-        .candidates()
-        .iter()
-        .map(|it| it.text.clone())
-        .collect();
+    let candidates = field.candidates();
     assert_eq!(candidates[0], "cat");
     assert!(candidates.len() > 1, "{candidates:?}");
-    let edits = field.corrector.accept(1);
-    Field::apply(&mut field.text, edits);
+    field.accept(1);
     assert_eq!(field.text, format!("{} ", candidates[1]));
     field.backspace();
     assert_eq!(field.text, "");
@@ -434,8 +391,7 @@ fn a_candidate_replaces_a_swiped_word_and_is_context_for_the_next() {
 
 #[test]
 fn a_swipe_behind_a_word_without_a_space_gets_one_and_keeps_a_typed_capital() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.types("cat");
     field.swipes("Sat");
     assert_eq!(field.text, "cat Sat ");
@@ -445,9 +401,8 @@ fn a_swipe_behind_a_word_without_a_space_gets_one_and_keeps_a_typed_capital() {
 
 #[test]
 fn a_swipe_that_is_taken_back_inside_a_word_leaves_the_rest_of_the_word_alone() {
-    let bytes = english();
     for is_left in [false, true] {
-        let mut field = Field::new(&bytes, Mode::Auto);
+        let mut field = Field::new(Mode::Auto);
         field.types("cat");
         if is_left {
             field.corrector.leave();
@@ -462,8 +417,7 @@ fn a_swipe_that_is_taken_back_inside_a_word_leaves_the_rest_of_the_word_alone() 
 
 #[test]
 fn taps_behind_a_swipe_are_corrected_and_a_reset_drops_its_candidates() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut field = Field::new(Mode::Auto);
     field.swipes("the");
     field.types("wisdim ");
     assert_eq!(field.text, "the wisdom ");
@@ -478,8 +432,7 @@ fn taps_behind_a_swipe_are_corrected_and_a_reset_drops_its_candidates() {
 
 #[test]
 fn a_literal_corrector_swipes_nothing() {
-    let bytes = english();
-    let mut field = Field::new(&bytes, Mode::Literal);
+    let mut field = Field::new(Mode::Literal);
     field.swipes("quick");
     assert_eq!(field.text, "q");
 }

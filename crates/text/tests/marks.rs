@@ -8,13 +8,17 @@ use ademan_text::{Corrector, Mode, Options};
 use support::field::{Field, english};
 use support::simulated::{full_keyboard, keyboard};
 
-/// Returns what a field has after a text that was tapped in the middle of the keys.
-fn typed(language: &[u8], text: &str, capitals: bool) -> String {
+fn field(language: &[u8], capitals: bool) -> Field<'_> {
     let options = Options {
         capitals,
         ..Options::default()
     };
-    let mut field = Field::on(language, full_keyboard(), options);
+    Field::on(language, full_keyboard(), options)
+}
+
+/// Returns what a field has after a text that was tapped in the middle of the keys.
+fn typed(language: &[u8], text: &str, capitals: bool) -> String {
+    let mut field = field(language, capitals);
     field.types(text);
     field.text
 }
@@ -75,14 +79,7 @@ fn a_correction_does_not_lower_the_margin_of_the_words_behind_it() {
         let behind = typed(ENGLISH, &format!("teh old cat and {word} is "), false);
         assert_eq!(alone, behind);
         // A Backspace inside the word changes nothing.
-        let mut field = Field::on(
-            ENGLISH,
-            full_keyboard(),
-            Options {
-                capitals: false,
-                ..Options::default()
-            },
-        );
+        let mut field = field(ENGLISH, false);
         field.types(&format!("teh old cat and {word}x"));
         field.backspace();
         field.types(" is ");
@@ -131,8 +128,7 @@ fn a_capital_follows_a_mark_and_a_space_only() {
 
 #[test]
 fn a_capital_of_a_swiped_word_follows_a_mark_that_is_final_and_a_space() {
-    let bytes = english();
-    let mut field = Field::on(&bytes, keyboard(), Options::default());
+    let mut field = Field::on(english(), keyboard(), Options::default());
     let decoder = field.corrector.decoder().clone().with_swipes();
     field.corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
     let rest = "cat sat the cat sat the cat sat the wisdom of the world.";
@@ -147,11 +143,7 @@ fn a_capital_of_a_swiped_word_follows_a_mark_that_is_final_and_a_space() {
 
 #[test]
 fn words_that_a_correction_leaves_as_they_are_may_be_corrected_later() {
-    let options = Options {
-        capitals: false,
-        ..Options::default()
-    };
-    let mut field = Field::on(ENGLISH, full_keyboard(), options);
+    let mut field = field(ENGLISH, false);
     field.types("teh cat adn ");
     field.backspace();
     let mut words: Vec<&str> = field.corrector.restored().words().collect();

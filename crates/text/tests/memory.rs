@@ -14,6 +14,13 @@ use ademan_text::{Corrector, Decoder, Mode, Model, Options, Prior, Tap, TouchMod
 use support::simulated::{Person, TIERS, keyboard};
 use support::swipes::Swiper;
 
+/// Creates a decoder of English for a person who is not known.
+fn decoder() -> Decoder<'static> {
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    let touch = TouchModel::new(Prior::default());
+    Decoder::new(model, keyboard(), touch, Options::default())
+}
+
 /// The system allocator with a counter for each thread.
 struct Counting;
 
@@ -46,14 +53,7 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn taps_corrections_and_commits_do_not_allocate() {
-    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
-    let decoder = Decoder::new(
-        model,
-        keyboard(),
-        TouchModel::new(Prior::default()),
-        Options::default(),
-    );
-    let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
+    let mut corrector = Corrector::new(decoder(), Mode::Auto, Restored::default());
     // The worst tier, so that the beam is full and errors are many.
     let mut person = Person::new(TIERS[4], 1);
     let text = "the quick brown fox jumps over the lazy dog, and it is not what you think. ";
@@ -77,16 +77,13 @@ fn taps_corrections_and_commits_do_not_allocate() {
 
 #[test]
 fn learning_and_forgetting_words_do_not_allocate() {
-    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
-    let touch = TouchModel::new(Prior::default());
-    let decoder = Decoder::new(model, keyboard(), touch, Options::default());
     let mut random = fastrand::Rng::with_seed(3);
     let words: Vec<String> = (0..300)
         .map(|_| (0..9).map(|_| random.lowercase()).collect())
         .collect();
     let mut restored = Restored::default();
     words[..100].iter().for_each(|word| restored.add(word));
-    let mut corrector = Corrector::new(decoder, Mode::Auto, restored);
+    let mut corrector = Corrector::new(decoder(), Mode::Auto, restored);
     let keyboard = keyboard();
     let taps: Vec<Tap> = words[100..]
         .iter()
@@ -115,13 +112,7 @@ fn learning_and_forgetting_words_do_not_allocate() {
 
 #[test]
 fn decoding_does_not_allocate_at_all() {
-    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
-    let mut decoder = Decoder::new(
-        model,
-        keyboard(),
-        TouchModel::new(Prior::default()),
-        Options::default(),
-    );
+    let mut decoder = decoder();
     let mut person = Person::new(TIERS[3], 2);
     let text = "the quick brown fox jumps over the lazy dog and it is not what you think ";
     // More than fits between two commits, and than the block of characters holds.
@@ -148,9 +139,7 @@ fn decoding_does_not_allocate_at_all() {
 
 #[test]
 fn swipes_do_not_allocate() {
-    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
-    let touch = TouchModel::new(Prior::default());
-    let decoder = Decoder::new(model, keyboard(), touch, Options::default()).with_swipes();
+    let decoder = decoder().with_swipes();
     let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
     let mut person = Swiper::new(8.0, 3);
     let words = [

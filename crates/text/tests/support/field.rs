@@ -1,5 +1,7 @@
 //! A text field, and a small model for it.
 
+use std::sync::LazyLock;
+
 use ademan_text::build::Builder;
 use ademan_text::correction::Restored;
 use ademan_text::{
@@ -16,12 +18,25 @@ pub struct Field<'m> {
     pub edits: usize,
 }
 
-impl<'m> Field<'m> {
-    pub fn new(bytes: &'m [u8], mode: Mode) -> Self {
-        Self::with(bytes, mode, Restored::default(), Options::default())
+impl Field<'static> {
+    /// Makes a field of the small model.
+    pub fn new(mode: Mode) -> Self {
+        Self::with(mode, Restored::default(), Options::default())
     }
 
-    pub fn with(bytes: &'m [u8], mode: Mode, restored: Restored, options: Options) -> Self {
+    /// Makes a field of the small model, with words of the person.
+    pub fn with(mode: Mode, restored: Restored, options: Options) -> Self {
+        Self::of(english(), mode, restored, options)
+    }
+}
+
+impl<'m> Field<'m> {
+    /// Makes a field of a model that is corrected without capitals.
+    pub fn auto(bytes: &'m [u8]) -> Self {
+        Self::of(bytes, Mode::Auto, Restored::default(), Options::default())
+    }
+
+    fn of(bytes: &'m [u8], mode: Mode, restored: Restored, options: Options) -> Self {
         let options = Options {
             capitals: false,
             ..options
@@ -83,11 +98,7 @@ impl<'m> Field<'m> {
         let mut letters = word.chars();
         self.types(&letters.by_ref().take(1).collect::<String>());
         let mut path = SwipePath::default();
-        let center = |letter: char| {
-            let index = self.keyboard.index(letter.to_ascii_lowercase());
-            self.keyboard.keys()[index.expect("a key")].center
-        };
-        let centers: Vec<[f32; 2]> = word.chars().map(center).collect();
+        let centers: Vec<[f32; 2]> = word.chars().map(|letter| self.center(letter)).collect();
         for pair in centers.windows(2) {
             for step in 0..=20 {
                 let t = step as f32 / 20.0;
@@ -102,9 +113,25 @@ impl<'m> Field<'m> {
     pub fn backspace(&mut self) {
         self.edits = Self::apply(&mut self.text, self.corrector.backspace());
     }
+
+    pub fn accept(&mut self, candidate: usize) {
+        self.edits = Self::apply(&mut self.text, self.corrector.accept(candidate));
+    }
+
+    /// Returns the texts of the candidates.
+    pub fn candidates(&mut self) -> Vec<String> {
+        let candidates = self.corrector.candidates().iter();
+        candidates.map(|candidate| candidate.text.clone()).collect()
+    }
 }
 
-pub fn english() -> Vec<u8> {
+/// Returns the bytes of a small model of English.
+pub fn english() -> &'static [u8] {
+    static MODEL: LazyLock<Vec<u8>> = LazyLock::new(build_english);
+    &MODEL
+}
+
+fn build_english() -> Vec<u8> {
     let mut builder = Builder::new();
     builder.words("the\t200\nof\t90\ncat\t20\nsat\t20\nwisdom\t5\ndon't\t20\nI\t50\nparis\t3\nParis\t3\nquick\t9\nhello\t10\nworld\t10").expect("a list");
     builder.text("the wisdom of the world\nthe wisdom of the world\nthe cat sat\nthe cat sat\nI don't\nI saw Paris");
