@@ -225,45 +225,24 @@ fn learn_words(rates: &mut WordRates, model: &Model, text: &str) {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::build::Builder;
-    use crate::keyboard::{ELSEWHERE, Key, Keyboard, Tap};
-    use crate::touch::Hands;
-    use crate::{Options, Prior, TouchModel};
+    use crate::decoder::fixture::{decoder, drifted, key, row, tap};
+    use crate::keyboard::{ELSEWHERE, Key};
+    use crate::{Prior, TouchModel};
 
     #[test]
     fn a_character_of_another_layer_tells_nothing_about_the_hand() {
-        let mut builder = Builder::new();
-        builder.words("ñu").expect("a list");
-        let bytes = builder.build().expect("a model");
-        let places = [
-            ('ñ', [ELSEWHERE; 2], 1.0),
-            ('u', [19.0, 0.0], 17.0),
-            (' ', [38.0, 0.0], 17.0),
+        let keys = [
+            Key {
+                size: [1.0; 2],
+                ..key('ñ', [ELSEWHERE; 2])
+            },
+            key('u', [19.0, 0.0]),
+            key(' ', [38.0, 0.0]),
         ];
-        let keys = places.map(|(character, center, size)| Key {
-            character,
-            center,
-            size: [size; 2],
-            hand: 0,
-        });
         for drift in [0.0, 8.0] {
-            let touch = TouchModel {
-                hands: Hands {
-                    drift: [[drift, 0.0]; 2],
-                    ..Hands::default()
-                },
-                ..TouchModel::new(Prior::default())
-            };
-            let model = Model::from_bytes(&bytes).expect("a model");
-            let mut decoder = Decoder::new(model, Keyboard::new(keys), touch, Options::default());
-            for key in keys {
-                let [x, y] = key.center;
-                let shift = if key.has_place() { drift } else { 0.0 };
-                decoder.tap(Tap {
-                    position: [x + shift, y],
-                    typed: Some(key.character),
-                });
+            let mut decoder = decoder("ñu", &keys, drifted(drift));
+            for (character, right) in [('ñ', 0.0), ('u', drift), (' ', drift)] {
+                tap(&mut decoder, character, right);
             }
             assert_eq!(decoder.best(), "Ñu ");
             decoder.commit();
@@ -275,24 +254,12 @@ mod tests {
 
     #[test]
     fn successive_taps_of_a_hand_are_learned_but_not_across_a_space() {
-        let mut builder = Builder::new();
-        builder.words("cat").expect("a list");
-        let bytes = builder.build().expect("a model");
-        let keys = "cat ".chars().zip(0_u8..).map(|(character, index)| Key {
-            character,
-            center: [f32::from(index) * 19.0, 0.0],
-            size: [if character == ' ' { 60.0 } else { 17.0 }, 17.0],
-            hand: u8::from(character == 't'),
-        });
-        let keys: Vec<Key> = keys.collect();
-        let touch = TouchModel::new(Prior::default());
-        let model = Model::from_bytes(&bytes).expect("a model");
-        let keyboard = Keyboard::new(keys.iter().copied());
-        let mut decoder = Decoder::new(model, keyboard, touch, Options::default());
+        let mut keys = row("cat ");
+        keys[2].hand = 1;
+        keys[3].size[0] = 60.0;
+        let mut decoder = decoder("cat", &keys, TouchModel::new(Prior::default()));
         for character in "cat cat ".chars() {
-            let key = keys.iter().find(|key| key.character == character);
-            let [x, y] = key.expect("a key").center;
-            decoder.tap(Tap::at(x + 2.0, y));
+            tap(&mut decoder, character, 2.0);
         }
         assert_eq!(decoder.best(), "Cat cat ");
         decoder.commit();
@@ -307,35 +274,17 @@ mod tests {
 
     #[test]
     fn an_offset_that_all_taps_have_is_no_correlation_of_successive_taps() {
-        let mut builder = Builder::new();
-        builder.words("cat").expect("a list");
-        let bytes = builder.build().expect("a model");
-        let places = [
-            ('c', [0.0, 0.0], 17.0),
-            ('a', [19.0, 0.0], 17.0),
-            ('t', [38.0, 0.0], 17.0),
-            (' ', [19.0, 19.0], 60.0),
-        ];
-        let keys = places.map(|(character, center, width)| Key {
-            character,
-            center,
-            size: [width, 17.0],
-            hand: 0,
-        });
+        let mut keys = row("cat ");
+        keys[3].center = [19.0, 19.0];
+        keys[3].size[0] = 60.0;
         let touch = TouchModel::new(Prior {
             offset: [4.0, 0.0],
             ..Prior::default()
         });
-        let model = Model::from_bytes(&bytes).expect("a model");
-        let mut decoder = Decoder::new(model, Keyboard::new(keys), touch, Options::default());
+        let mut decoder = decoder("cat", &keys, touch);
         // Each tap is on the other side of its place than the tap before.
         for (character, side) in "cat cat ".chars().zip([2.0, -2.0].into_iter().cycle()) {
-            let key = keys.iter().find(|key| key.character == character);
-            let [x, y] = key.expect("a key").center;
-            decoder.tap(Tap {
-                position: [x + 4.0 + side, y],
-                typed: Some(character),
-            });
+            tap(&mut decoder, character, 4.0 + side);
         }
         assert_eq!(decoder.best(), "Cat cat ");
         decoder.commit();
@@ -346,27 +295,11 @@ mod tests {
 
     #[test]
     fn a_sentence_starts_behind_a_period_in_a_model_without_pairs_of_words() {
-        let mut builder = Builder::new();
-        builder.words("cat").expect("a list");
-        let bytes = builder.build().expect("a model");
-        let model = Model::from_bytes(&bytes).expect("a model");
-        let keys = "cat .".chars().zip(0_u8..).map(|(character, index)| Key {
-            character,
-            center: [f32::from(index) * 19.0, 0.0],
-            size: [17.0; 2],
-            hand: 0,
-        });
-        let keys: Vec<Key> = keys.collect();
-        let keyboard = Keyboard::new(keys.iter().copied());
         let touch = TouchModel::new(Prior::default());
-        let mut decoder = Decoder::new(model, keyboard, touch, Options::default());
+        let mut decoder = decoder("cat", &row("cat ."), touch);
         for (text, shown) in [("cat. ", "Cat. "), ("cat ", "Cat "), ("cat ", "cat ")] {
             for character in text.chars() {
-                let key = keys.iter().find(|key| key.character == character);
-                decoder.tap(Tap {
-                    position: key.expect("a key").center,
-                    typed: Some(character),
-                });
+                tap(&mut decoder, character, 0.0);
             }
             assert_eq!(decoder.best(), shown);
             decoder.commit();

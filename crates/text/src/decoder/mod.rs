@@ -19,6 +19,8 @@ mod beam;
 mod candidate;
 mod expand;
 mod finish;
+#[cfg(test)]
+pub(crate) mod fixture;
 mod history;
 mod learn;
 mod literal;

@@ -185,29 +185,18 @@ impl Decoder<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::build::Builder;
-    use crate::keyboard::{Key, Keyboard, Tap};
-    use crate::{Decoder, Model, Options, Prior, TouchModel};
+    use crate::decoder::fixture::{decoder, row};
+    use crate::{Prior, Tap, TouchModel};
 
     #[test]
     fn a_tap_on_a_letter_ends_no_word_by_its_own_scatter() {
-        let mut builder = Builder::new();
-        builder.words("cat").expect("a list");
-        let bytes = builder.build().expect("a model");
-        let keys = "cat ".chars().zip(0_u8..).map(|(character, index)| Key {
-            character,
-            center: [f32::from(index) * 19.0, 0.0],
-            size: [17.0; 2],
-            hand: 0,
-        });
         let touch = TouchModel::new(Prior {
             same_hand: 0.6,
             pairs: 1e6,
             first_drift: 0.0,
             ..Prior::default()
         });
-        let model = Model::from_bytes(&bytes).expect("a model");
-        let mut decoder = Decoder::new(model, Keyboard::new(keys), touch, Options::default());
+        let mut decoder = decoder("cat", &row("cat "), touch);
         // The last one is 8 mm from the middle of `t` and 11 mm from the middle of the space bar.
         for x in [0.0, 19.0, 38.0, 46.0] {
             decoder.tap(Tap::at(x, 0.0));

@@ -99,77 +99,39 @@ impl<'m> Decoder<'m> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::build::Builder;
-    use crate::keyboard::{ELSEWHERE, Key, Keyboard};
-    use crate::touch::Hands;
-    use crate::{Model, Options, Prior, TouchModel};
+    use crate::decoder::fixture::{decoder, drifted, key};
+    use crate::keyboard::{ELSEWHERE, Key};
 
     #[test]
     fn a_letter_of_another_layer_is_swiped_over_the_key_of_its_plain_letter() {
-        let mut builder = Builder::new();
-        builder.words("niña").expect("a list");
-        let bytes = builder.build().expect("a model");
-        let places = [
-            ('n', [19.0, 38.0], 17.0),
-            ('i', [57.0, 0.0], 17.0),
-            ('a', [-38.0, 19.0], 17.0),
-            ('ñ', [ELSEWHERE; 2], 1.0),
+        let keys = [
+            key('n', [19.0, 38.0]),
+            key('i', [57.0, 0.0]),
+            key('a', [-38.0, 19.0]),
+            Key {
+                size: [1.0; 2],
+                ..key('ñ', [ELSEWHERE; 2])
+            },
         ];
-        let keys = places.map(|(character, center, size)| Key {
-            character,
-            center,
-            size: [size; 2],
-            hand: 0,
-        });
-        let options = Options {
-            capitals: false,
-            ..Options::default()
-        };
-        let model = Model::from_bytes(&bytes).expect("a model");
-        let touch = TouchModel::new(Prior::default());
-        let decoder = Decoder::new(model, Keyboard::new(keys), touch, options);
-        let mut decoder = decoder.with_swipes();
+        let mut decoder = decoder("niña", &keys, drifted(0.0)).with_swipes();
         let path = [[19.0, 38.0], [57.0, 0.0], [19.0, 38.0], [-38.0, 19.0]];
         let found = decoder.swipe(&path, false);
-        assert_eq!(found.first().map(|first| first.text.as_str()), Some("niña"));
+        assert_eq!(found.first().map(|first| first.text.as_str()), Some("Niña"));
     }
 
     #[test]
     fn a_path_is_expected_where_the_hand_has_drifted_to() {
-        let mut builder = Builder::new();
-        // Each key of the second word is the right neighbor of a key of the first one.
-        builder.words("cat\nvsy").expect("a list");
-        let bytes = builder.build().expect("a model");
-        let places = [
-            ('c', [0.0, 38.0]),
-            ('v', [19.0, 38.0]),
-            ('a', [-38.0, 19.0]),
-            ('s', [-19.0, 19.0]),
-            ('t', [19.0, 0.0]),
-            ('y', [38.0, 0.0]),
+        let keys = [
+            key('c', [0.0, 38.0]),
+            key('v', [19.0, 38.0]),
+            key('a', [-38.0, 19.0]),
+            key('s', [-19.0, 19.0]),
+            key('t', [19.0, 0.0]),
+            key('y', [38.0, 0.0]),
         ];
-        let keys = places.map(|(character, center)| Key {
-            character,
-            center,
-            size: [17.0; 2],
-            hand: 0,
-        });
-        for (drift, word) in [(0.0, "vsy"), (19.0, "cat")] {
-            let touch = TouchModel {
-                hands: Hands {
-                    drift: [[drift, 0.0]; 2],
-                    ..Hands::default()
-                },
-                ..TouchModel::new(Prior::default())
-            };
-            let options = Options {
-                capitals: false,
-                ..Options::default()
-            };
-            let model = Model::from_bytes(&bytes).expect("a model");
-            let decoder = Decoder::new(model, Keyboard::new(keys), touch, options);
-            let mut decoder = decoder.with_swipes();
+        for (drift, word) in [(0.0, "Vsy"), (19.0, "Cat")] {
+            // Each key of the second word is the right neighbor of a key of the first one.
+            let mut decoder = decoder("cat\nvsy", &keys, drifted(drift)).with_swipes();
             let found = decoder.swipe(&[[19.0, 38.0], [-19.0, 19.0], [38.0, 0.0]], false);
             assert_eq!(found[0].text, word);
         }

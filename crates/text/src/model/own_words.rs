@@ -156,14 +156,11 @@ fn case_of(word: &str) -> Case {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::Builder;
+    use crate::decoder::fixture;
     use crate::model::Model;
 
     fn model() -> Model<'static> {
-        let mut builder = Builder::new();
-        builder.words("cat\ncar\nnun").expect("a list");
-        let bytes = builder.build().expect("a model");
-        Model::from_bytes(bytes.leak()).expect("a model")
+        fixture::model("cat\ncar\nnun")
     }
 
     fn cased(model: &Model, word: &str) -> Option<Case> {
