@@ -15,7 +15,7 @@ use ademan_core::document::Document;
 use ademan_core::hand::Side;
 use ademan_lab::sim::Pointed;
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::plan::PlanEdit;
@@ -70,6 +70,30 @@ pub(crate) fn with_session(
             None => page.put(""),
         }
     })
+}
+
+/// Calls a function without output with the session, if there is one.
+pub(crate) fn tell_session(call: impl FnOnce(&mut PageSession)) {
+    PAGE.with_borrow_mut(|page| {
+        if let Some(session) = &mut page.session {
+            call(session);
+        }
+    });
+}
+
+/// Returns an object, or `{"error":"…"}`.
+pub(crate) fn reply(result: Result<impl Serialize, String>) -> String {
+    let object = match result {
+        Ok(object) => json!(object),
+        Err(error) => json!({ "error": error }),
+    };
+    object.to_string()
+}
+
+/// Splits an input into its first line and the bytes after it.
+fn first_line(text: &str) -> (&str, &[u8]) {
+    let (line, rest) = text.split_once('\n').unwrap_or((text, ""));
+    (line, rest.as_bytes())
 }
 
 /// Returns the bytes of the input, and empties it.
@@ -201,10 +225,7 @@ pub extern "C" fn page_point(
     };
     let side = if is_left { Side::Left } else { Side::Right };
     if pointed.point.is_finite() && travel.is_finite() {
-        with_session(0, |session, _| {
-            session.point(side, pointed);
-            String::new()
-        });
+        tell_session(|session| session.point(side, pointed));
     }
 }
 
@@ -212,11 +233,9 @@ pub extern "C" fn page_point(
 #[unsafe(no_mangle)]
 pub extern "C" fn page_push(length: usize) -> usize {
     with_session(length, |session, text| {
-        let (protocol, rest) = text.split_once('\n').unwrap_or((text, ""));
-        match session.push(protocol, rest.as_bytes()) {
-            Ok(readings) => json!({ "readings": readings }).to_string(),
-            Err(error) => json!({ "error": error }).to_string(),
-        }
+        let (protocol, bytes) = first_line(text);
+        let pushed = session.push(protocol, bytes);
+        reply(pushed.map(|readings| json!({ "readings": readings })))
     })
 }
 
@@ -225,13 +244,9 @@ pub extern "C" fn page_push(length: usize) -> usize {
 #[unsafe(no_mangle)]
 pub extern "C" fn page_play_file(length: usize) -> usize {
     with_session(length, |session, text| {
-        let (protocol, rest) = text.split_once('\n').unwrap_or((text, ""));
-        match session.play_file(protocol, rest.as_bytes()) {
-            Ok((readings, refused)) => {
-                json!({ "readings": readings, "refused": refused }).to_string()
-            }
-            Err(error) => json!({ "error": error }).to_string(),
-        }
+        let (protocol, bytes) = first_line(text);
+        let played = session.play_file(protocol, bytes);
+        reply(played.map(|(readings, refused)| json!({ "readings": readings, "refused": refused })))
     })
 }
 
@@ -240,21 +255,15 @@ pub extern "C" fn page_play_file(length: usize) -> usize {
 #[unsafe(no_mangle)]
 pub extern "C" fn page_push_live(length: usize) -> usize {
     with_session(length, |session, text| {
-        let (format, rest) = text.split_once('\n').unwrap_or((text, ""));
-        match session.push_live(format, rest.as_bytes()) {
-            Ok(pushed) => json!(pushed).to_string(),
-            Err(error) => json!({ "error": error }).to_string(),
-        }
+        let (format, bytes) = first_line(text);
+        reply(session.push_live(format, bytes))
     })
 }
 
 /// Puts the boards under the hands that are held open and still next.
 #[unsafe(no_mangle)]
 pub extern "C" fn page_place_under_hands() {
-    with_session(0, |session, _| {
-        session.place_under_hands();
-        String::new()
-    });
+    tell_session(PageSession::place_under_hands);
 }
 
 /// Receives `{"targets":[3],"edit":{"move":{"by_mm":[1,0]}}}`. Returns `{"text":"…"}` or `{"error":"…"}`.
@@ -263,29 +272,20 @@ pub extern "C" fn page_edit(length: usize) -> usize {
     with_session(length, |session, text| {
         let request = serde_json::from_str::<EditRequest>(text).map_err(|error| error.to_string());
         let edited = request.and_then(|request| session.edit(&request.targets, request.edit));
-        match edited {
-            Ok(new_text) => json!({ "text": new_text }).to_string(),
-            Err(error) => json!({ "error": error }).to_string(),
-        }
+        reply(edited.map(|new_text| json!({ "text": new_text })))
     })
 }
 
 /// Releases everything; the hands rest.
 #[unsafe(no_mangle)]
 pub extern "C" fn page_release() {
-    with_session(0, |session, _| {
-        session.release();
-        String::new()
-    });
+    tell_session(PageSession::release);
 }
 
 /// Empties the text field.
 #[unsafe(no_mangle)]
 pub extern "C" fn page_clear_text() {
-    with_session(0, |session, _| {
-        session.clear_text();
-        String::new()
-    });
+    tell_session(PageSession::clear_text);
 }
 
 /// Prepares steps whose time the page measures with [`page_rehearse`].

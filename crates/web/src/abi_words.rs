@@ -4,7 +4,7 @@
 
 use ademan_text::filter::Language;
 
-use crate::abi::{take_input, with_session};
+use crate::abi::{take_input, tell_session, with_session};
 
 /// Uses a text decoder with the bytes of a language model, which are kept. Returns an empty text, or the error.
 #[unsafe(no_mangle)]
@@ -36,8 +36,5 @@ pub extern "C" fn page_set_text_mode(length: usize) {
 /// Takes a candidate, from 1, in place of the word that is typed.
 #[unsafe(no_mangle)]
 pub extern "C" fn page_choose(number: u8) {
-    with_session(0, |session, _| {
-        session.choose(number);
-        String::new()
-    });
+    tell_session(|session| session.choose(number));
 }

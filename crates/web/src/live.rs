@@ -60,11 +60,6 @@ pub struct Pushed {
     refused: Option<String>,
 }
 
-#[derive(Serialize)]
-struct Notice<'a> {
-    text: &'a str,
-}
-
 impl PageSession {
     /// Receives bytes of a sensor that measures now, which move the hands. `format` is the protocol with its options.
     pub fn push_live(&mut self, format: &str, bytes: &[u8]) -> Result<Pushed, String> {
@@ -90,16 +85,15 @@ impl PageSession {
     /// Puts the boards under the hands of the sensor once they are held open and still for a second. A layout that waits for an open
     /// hand by itself starts to wait again.
     pub fn place_under_hands(&mut self) {
-        let mut events = Events::new();
-        self.lose_hands(&mut events);
+        self.lose_hands();
         if self.pipeline.layout().starts_at_hand() {
+            let mut events = Events::new();
             // It cannot fail: the layout is placed again.
             let _ = self.pipeline.recenter(&mut events);
             self.write_events(&events);
             let text = "hold your open hand still for a second";
-            return self.lines.add("notice", Notice { text });
+            return self.lines.add_notice(text);
         }
-        self.write_events(&events);
         self.live.holding = Some(Default::default());
         self.live.advice = Some(HoldAdvice::Show);
     }
@@ -129,9 +123,7 @@ impl PageSession {
         };
         if silence.is_some_and(|it| it > MAX_SILENCE) && !self.live.is_silent {
             self.live.is_silent = true;
-            let mut events = Events::new();
-            self.lose_hands(&mut events);
-            self.write_events(&events);
+            self.lose_hands();
         }
         if let Some(holding) = &mut self.live.holding {
             for reading in readings {
@@ -171,7 +163,7 @@ impl PageSession {
         });
         match placed {
             Ok(layout) => self.move_boards(layout),
-            Err(text) => self.lines.add("notice", Notice { text: &text }),
+            Err(text) => self.lines.add_notice(&text),
         }
     }
 

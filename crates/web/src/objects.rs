@@ -23,6 +23,15 @@ impl Lines {
         self.0.push(b'\n');
     }
 
+    /// Appends a message to the person.
+    pub fn add_notice(&mut self, text: &str) {
+        #[derive(Serialize)]
+        struct Notice<'a> {
+            text: &'a str,
+        }
+        self.add("notice", Notice { text });
+    }
+
     /// Appends the text of an object, which has no kind yet.
     pub fn add_text(&mut self, kind: &str, object: &[u8]) {
         self.0.extend_from_slice(br#"{"kind":""#);

@@ -144,8 +144,8 @@ impl PageSession {
     }
 
     pub(crate) fn adopt(&mut self, layout: Arc<Layout>) {
+        self.lose_hands();
         let mut events = Events::new();
-        self.lose_hands(&mut events);
         let mut instance = self.words.instance(&layout);
         self.pipeline.replace_profile(0, &mut instance, &mut events);
         self.layout = layout;
@@ -271,9 +271,7 @@ impl PageSession {
 
     /// Releases everything; the hands rest.
     pub fn release(&mut self) {
-        let mut events = Events::new();
-        self.lose_hands(&mut events);
-        self.write_events(&events);
+        self.lose_hands();
         self.end_recording();
         self.hand = Hand::Resting;
         self.end_live();
@@ -316,7 +314,7 @@ impl PageSession {
             readings.clear();
             let is_done = self.hand.advance(self.time, &mut readings);
             for message in self.hand.take_messages() {
-                self.lines.add("notice", Notice { text: &message });
+                self.lines.add_notice(&message);
             }
             if is_done {
                 self.hand = Hand::Resting;
@@ -412,10 +410,13 @@ impl PageSession {
         self.lines.take()
     }
 
-    pub(crate) fn lose_hands(&mut self, events: &mut Events) {
+    /// Releases what the hands hold.
+    pub(crate) fn lose_hands(&mut self) {
+        let mut events = Events::new();
         for side in [Side::Right, Side::Left] {
-            self.pipeline.lose(Some(side), None, events);
+            self.pipeline.lose(Some(side), None, &mut events);
         }
+        self.write_events(&events);
     }
 }
 
@@ -431,11 +432,6 @@ fn rest_of(task: &HandTask, typed: usize) -> HandTask {
         },
         other => other.clone(),
     }
-}
-
-#[derive(Serialize)]
-struct Notice<'a> {
-    text: &'a str,
 }
 
 /// The entry of a layout in the gallery.

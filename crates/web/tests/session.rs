@@ -48,15 +48,9 @@ fn a_simulated_person_types_a_text() {
     assert_eq!(session.type_text("Hi a"), []);
     let objects = run(&mut session);
     assert_eq!(session.text(), "Hi a");
-    let expected =
-        "key-down ShiftLeft, key-down H, key-up H, key-up ShiftLeft, key-down I, key-up I";
-    assert!(
-        events(&objects).join(", ").contains("key-down H, key-up H"),
-        "{expected}: {:?}",
-        events(&objects)
-    );
-    let kinds = ["scene", "pose", "touches", "events", "session"];
-    for kind in kinds {
+    let events = events(&objects).join(", ");
+    assert!(events.contains("key-down H, key-up H"), "{events}");
+    for kind in ["scene", "pose", "touches", "events", "session"] {
         assert!(objects.iter().any(|it| it["kind"] == kind), "{kind}");
     }
 }
@@ -185,8 +179,8 @@ fn a_text_that_is_cleared_while_shift_is_down_goes_on_in_capitals() {
     assert_eq!(session.text(), "W");
 }
 
-/// Returns the point of a key of the first board in the world, and its normal.
-fn key(session: &PageSession, name: &str, scene: &Value) -> (Vec3, Vec3, f32) {
+/// Points at a key of the first board with the right hand.
+fn point(session: &mut PageSession, name: &str, scene: &Value, is_down: bool) {
     let layout = session.layout();
     let face = &layout.key(name).expect("a key").face;
     let (_, target) = layout.scene.target(face.target).expect("a target");
@@ -194,13 +188,14 @@ fn key(session: &PageSession, name: &str, scene: &Value) -> (Vec3, Vec3, f32) {
     let number = |index: usize| pose[index].as_f64().expect("a number") as f32;
     let position = Vec3::new(number(0), number(1), number(2));
     let rotation = glam::Quat::from_xyzw(number(3), number(4), number(5), number(6));
-    let point = target.surface_from_target.translation;
-    let normal = target.surface_from_target.rotation * Vec3::Z;
-    (
-        position + rotation * point,
-        rotation * normal,
-        target.travel,
-    )
+    let surface_from_target = target.surface_from_target;
+    let pointed = Pointed {
+        point: position + rotation * surface_from_target.translation,
+        normal: rotation * (surface_from_target.rotation * Vec3::Z),
+        travel: target.travel,
+        is_down,
+    };
+    session.point(Side::Right, pointed);
 }
 
 #[test]
@@ -214,39 +209,18 @@ fn a_pointer_presses_the_key_that_it_points_at() {
         .expect("a scene");
     session.clear_text();
     let mut seen = Vec::new();
-    let mut point = |pointed: &mut PageSession, name: &str, is_down: bool| {
-        let (point, normal, travel) = key(pointed, name, &scene);
-        pointed.point(
-            Side::Right,
-            Pointed {
-                point,
-                normal,
-                travel,
-                is_down,
-            },
-        );
-        for _ in 0..40 {
-            seen.extend(objects(&pointed.advance(FRAME)));
-        }
-    };
     for name in ["Q", "P", "Space", "M"] {
-        point(&mut session, name, false);
-        point(&mut session, name, true);
-        point(&mut session, name, false);
+        for is_down in [false, true, false] {
+            point(&mut session, name, &scene, is_down);
+            for _ in 0..40 {
+                seen.extend(objects(&session.advance(FRAME)));
+            }
+        }
     }
     assert_eq!(session.text(), "qp m", "{:?}", events(&seen));
     // A click is shorter than the way of the finger.
-    let (at, normal, travel) = key(&session, "X", &scene);
     for is_down in [true, false] {
-        session.point(
-            Side::Right,
-            Pointed {
-                point: at,
-                normal,
-                travel,
-                is_down,
-            },
-        );
+        point(&mut session, "X", &scene, is_down);
     }
     for _ in 0..40 {
         session.advance(FRAME);
@@ -254,30 +228,13 @@ fn a_pointer_presses_the_key_that_it_points_at() {
     assert_eq!(session.text(), "qp mx");
     // A press may follow while the finger is still in the key before it.
     for name in ["A", "L"] {
-        let (place, front, depth) = key(&session, name, &scene);
-        session.point(
-            Side::Right,
-            Pointed {
-                point: place,
-                normal: front,
-                travel: depth,
-                is_down: true,
-            },
-        );
+        point(&mut session, name, &scene, true);
         let is_typed = |_| {
             session.advance(FRAME);
             session.text().ends_with(&name.to_lowercase())
         };
         assert!((0..100).any(is_typed), "{name} is typed");
-        session.point(
-            Side::Right,
-            Pointed {
-                point: place,
-                normal: front,
-                travel: depth,
-                is_down: false,
-            },
-        );
+        point(&mut session, name, &scene, false);
     }
     assert_eq!(session.text(), "qp mxal");
     session.release();

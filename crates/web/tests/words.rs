@@ -39,7 +39,7 @@ fn pass(session: &mut PageSession, frames: usize, told: &mut Option<Value>) {
     }
 }
 
-/// Types a text and returns the candidates that are shown behind it.
+/// Types a text and returns the candidates that are shown at its end.
 fn type_text(session: &mut PageSession, text: &str) -> Value {
     assert_eq!(session.type_text(text), []);
     let mut told = None;
