@@ -1,12 +1,12 @@
 //! The marks on fronts of controls - handles, scales, labels - on a picture.
 
 use std::collections::BTreeMap;
-use std::f32::consts::{FRAC_PI_2, TAU};
+use std::f32::consts::FRAC_PI_2;
 
 use parry3d::math::Vec2;
 
 use super::fonts::CAPITAL_HEIGHT;
-use super::picture::{Color, Label, Picture, disc_sides, with_known_signs};
+use super::picture::{Color, Label, Picture, circle, disc_sides, with_known_signs};
 use super::scene::SceneColors;
 use super::texts::text_with;
 use ademan_core::contact::TargetId;
@@ -193,13 +193,6 @@ fn add_lines(picture: &mut Picture, points: &[Vec2], is_closed: bool, width: f32
     }
 }
 
-fn circle(center: Vec2, radius: f32, sides: usize) -> Vec<Vec2> {
-    let angle = |step: usize| step as f32 / sides as f32 * TAU;
-    (0..sides)
-        .map(|step| center + Vec2::from_angle(angle(step)) * radius)
-        .collect()
-}
-
 /// Returns the number of lines with which a corner of a radius in points looks round.
 pub fn corner_steps(radius: f32) -> usize {
     let lines = (radius * FRAC_PI_2 / CORNER_LINE) as usize;
@@ -227,16 +220,23 @@ mod tests {
     use crate::scene::THEMES;
     use crate::texts::{Language, set_language};
     use ademan_runtime::files::Load;
+    use std::f32::consts::TAU;
+
+    /// A view of a front that is not pressed, in the dark theme.
+    fn view(scale: f32, to_screen: &dyn Fn(Vec2) -> Option<Vec2>) -> FrontView<'_> {
+        FrontView {
+            to_screen,
+            scale,
+            colors: &SceneColors::DARK,
+            is_lit: false,
+            heat: 0.0,
+        }
+    }
 
     #[test]
     fn the_label_of_a_pressed_knob_is_on_a_lit_hub() {
-        let view = FrontView {
-            to_screen: &|point| Some(point),
-            scale: 3.0,
-            colors: &SceneColors::DARK,
-            is_lit: true,
-            heat: 0.0,
-        };
+        let mut view = view(3.0, &|point| Some(point));
+        view.is_lit = true;
         assert_eq!(view.color(MarkRole::Cap), SceneColors::DARK.lit);
         assert_eq!(view.color(MarkRole::Label), SceneColors::DARK.lit_label);
     }
@@ -255,13 +255,8 @@ mod tests {
         for scale in [2.0_f32, 6.0] {
             for (radius, mark) in &rims {
                 let mut picture = Picture::default();
-                let view = FrontView {
-                    to_screen: &|point| Some(point * scale),
-                    scale,
-                    colors: &SceneColors::DARK,
-                    is_lit: false,
-                    heat: 0.0,
-                };
+                let to_screen = |point: Vec2| Some(point * scale);
+                let view = view(scale, &to_screen);
                 add_marks(&mut picture, std::slice::from_ref(mark), &view);
                 // No side of a polygon with so many of them is farther than a quarter of a point from its circle.
                 let sides = disc_sides(radius * scale) as f32;
@@ -277,13 +272,8 @@ mod tests {
     fn a_handle_is_seen_on_its_track_in_every_theme() {
         for (is_dark, has_high_contrast, _) in THEMES {
             let colors = SceneColors::new(is_dark, has_high_contrast);
-            let view = FrontView {
-                to_screen: &|point| Some(point),
-                scale: 3.0,
-                colors: &colors,
-                is_lit: false,
-                heat: 0.0,
-            };
+            let mut view = view(3.0, &|point| Some(point));
+            view.colors = &colors;
             let groove = view.color(MarkRole::Groove);
             // As the guidelines ask for graphics, and more where high contrast is asked for.
             let least = if has_high_contrast { 7.0 } else { 3.0 };
@@ -320,14 +310,7 @@ mod tests {
         let written = |language| {
             set_language(language);
             let mut picture = Picture::default();
-            let view = FrontView {
-                to_screen: &|point| Some(point * 8.0),
-                scale: 8.0,
-                colors: &SceneColors::DARK,
-                is_lit: false,
-                heat: 0.0,
-            };
-            add_marks(&mut picture, &marks, &view);
+            add_marks(&mut picture, &marks, &view(8.0, &|point| Some(point * 8.0)));
             let texts = picture.labels.into_iter().map(|label| label.text);
             texts.collect::<Vec<_>>()
         };
@@ -345,14 +328,7 @@ mod tests {
         let picture = |value: f32| {
             let marks = layout.front_marks(fader.target, |_| Some(value)).unwrap();
             let mut picture = Picture::default();
-            let view = FrontView {
-                to_screen: &to_screen,
-                scale: 3.0,
-                colors: &SceneColors::DARK,
-                is_lit: false,
-                heat: 0.0,
-            };
-            add_marks(&mut picture, &marks, &view);
+            add_marks(&mut picture, &marks, &view(3.0, &to_screen));
             picture
         };
         let (low, high) = (picture(0.0), picture(1.0));

@@ -187,12 +187,15 @@ impl Triangles {
         self.add_polygon(&corners);
     }
 
-    /// Adds four corners of one colour, without a soft edge.
-    pub fn add_quad(&mut self, corners: [Vec2; 4], color: Color) {
+    /// Adds a convex polygon of one colour without soft edges, which many small shapes do not need.
+    pub fn add_plain_polygon(&mut self, corners: &[Vec2], color: Color) {
         let first = self.vertices.len() as u32;
-        self.vertices.extend(corners.map(|corner| (corner, color)));
-        let indices = [0, 1, 2, 0, 2, 3];
-        self.indices.extend(indices.map(|corner| first + corner));
+        let vertices = corners.iter().map(|&corner| (corner, color));
+        self.vertices.extend(vertices);
+        for index in 1..(corners.len() as u32).saturating_sub(1) {
+            let triangle = [first, first + index, first + index + 1];
+            self.indices.extend(triangle);
+        }
     }
 
     /// Adds a line of this width, with a colour at each end.
@@ -251,7 +254,11 @@ pub fn disc_sides(radius: f32) -> usize {
 
 /// Returns the outline of a disc.
 pub fn disc(center: Vec2, radius: f32) -> Vec<Vec2> {
-    let sides = disc_sides(radius);
+    circle(center, radius, disc_sides(radius))
+}
+
+/// Returns the outline of a disc with a number of sides.
+pub fn circle(center: Vec2, radius: f32, sides: usize) -> Vec<Vec2> {
     let angle = |step: usize| step as f32 / sides as f32 * TAU;
     (0..sides)
         .map(|step| center + Vec2::from_angle(angle(step)) * radius)
@@ -401,7 +408,7 @@ mod tests {
         let corners = capsule((Vec2::ZERO, 4.0), (Vec2::new(30.0, 0.0), 3.0));
         triangles.add_flat_polygon(&corners, Color::rgb(1, 2, 3));
         triangles.add_ring(Vec2::ZERO, 10.0, 2.0, Color::rgb(1, 2, 3));
-        triangles.add_quad([Vec2::ZERO; 4], Color::rgb(1, 2, 3));
+        triangles.add_plain_polygon(&[Vec2::ZERO; 4], Color::rgb(1, 2, 3));
         let count = triangles.vertices.len() as u32;
         assert!(triangles.indices.iter().all(|&index| index < count));
         assert_eq!(triangles.indices.len() % 3, 0);

@@ -72,7 +72,7 @@ impl Pen<'_> {
     fn add_bar(&mut self, [from, to]: [f32; 2], [near, far]: [f32; 2], color: Color) {
         let corners = [(from, near), (to, near), (to, far), (from, far)];
         let corners = corners.map(|(along, across)| self.point(along, across));
-        self.picture.below.add_quad(corners, color);
+        self.picture.below.add_plain_polygon(&corners, color);
     }
 
     fn add_tick(&mut self, along: f32, length: f32) {

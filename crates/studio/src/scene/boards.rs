@@ -235,7 +235,7 @@ fn add_small_key(canvas: &mut Canvas, target: &Target, front: &Pose, color: Colo
         corner.map(|corner| corner.position)
     });
     if let [Some(a), Some(b), Some(c), Some(d)] = corners {
-        canvas.picture.below.add_quad([a, b, c, d], color);
+        canvas.picture.below.add_plain_polygon(&[a, b, c, d], color);
     }
 }
 

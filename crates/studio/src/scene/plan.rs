@@ -115,7 +115,7 @@ fn add_item(canvas: &mut Canvas, scene: &PlanScene, item: &PlanItem) {
                 if let [Some(a), Some(b), Some(c), Some(d)] = corners {
                     let positions = [a, b, c, d].map(|corner| corner.position);
                     let color = canvas.colors.board;
-                    canvas.picture.below.add_quad(positions, color);
+                    canvas.picture.below.add_plain_polygon(&positions, color);
                 }
             }
             let state = |_| FrontState::at_rest(scene.values);

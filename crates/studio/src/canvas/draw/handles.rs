@@ -2,7 +2,7 @@
 
 use parry3d::math::Vec2;
 
-use super::{Pen, add_plain_polygon};
+use super::Pen;
 use crate::canvas::handles::{self, Handle};
 use crate::canvas::{Bounds, CORNERS, Item, group};
 use crate::picture::disc;
@@ -26,7 +26,7 @@ impl Pen<'_> {
                     );
                     let side = (at - center).normalize_or_zero().perp() * 0.75;
                     let stem = [rim + side, at + side, at - side, rim - side];
-                    add_plain_polygon(&mut self.picture.above, &stem, ring);
+                    self.picture.above.add_plain_polygon(&stem, ring);
                     self.picture
                         .above
                         .add_flat_polygon(&disc(at, HANDLE + 1.0), fill);

@@ -12,7 +12,7 @@ use super::viewport::Viewport;
 use super::{Bounds, CORNERS, Item, ItemShape, group};
 use crate::fonts::{Fitted, fitted};
 use crate::marks::{FrontView, add_marks, corner_steps, half_width, heated, rounded};
-use crate::picture::{Color, Label, Picture, Triangles, disc, with_known_signs};
+use crate::picture::{Color, Label, Picture, disc, with_known_signs};
 use crate::scene::SceneColors;
 use ademan_core::layout::{FrontMark, MarkRole, MarkShape};
 
@@ -203,7 +203,7 @@ impl Pen<'_> {
         let (from, to) = (self.to_screen(from), self.to_screen(to));
         let side = (to - from).normalize_or_zero().perp() * (width / 2.0);
         let corners = [from + side, to + side, to - side, from - side];
-        add_plain_polygon(&mut self.picture.below, &corners, color);
+        self.picture.below.add_plain_polygon(&corners, color);
     }
 
     fn add_item(&mut self, item: &Item, shape: &ItemShape, (look, heat): (Look, f32)) {
@@ -216,7 +216,7 @@ impl Pen<'_> {
         let side_pt = shape.half.min_element() * 2.0 * self.viewport.scale;
         if side_pt < SMALL {
             let outline = self.outline(shape, (0.0, 0.0));
-            add_plain_polygon(&mut self.picture.below, &outline, front);
+            self.picture.below.add_plain_polygon(&outline, front);
             return;
         }
         let edge = if look == Look::Selected { 2.0 } else { 1.2 };
@@ -335,7 +335,7 @@ impl Pen<'_> {
         ];
         let on_screen = corners.map(|corner| self.to_screen(corner));
         let fill = self.colors.ring.with_opacity(0.18);
-        add_plain_polygon(&mut self.picture.above, &on_screen, fill);
+        self.picture.above.add_plain_polygon(&on_screen, fill);
         for index in 0..corners.len() {
             let next = corners[(index + 1) % corners.len()];
             self.add_line(corners[index], next, 1.0, self.colors.ring);
@@ -363,17 +363,6 @@ pub fn bend_half_width(items: &[Item]) -> f32 {
     let bounds = Bounds::around(items.iter().map(|item| &item.shape));
     let reach = bounds.map_or(0.0, |bounds| bounds.max.x.abs().max(bounds.min.x.abs()));
     reach.max(60.0)
-}
-
-/// Adds a convex polygon without soft edges, which many small items do not need.
-fn add_plain_polygon(triangles: &mut Triangles, corners: &[Vec2], color: Color) {
-    let first = triangles.vertices.len() as u32;
-    let vertices = corners.iter().map(|&corner| (corner, color));
-    triangles.vertices.extend(vertices);
-    for index in 1..(corners.len() as u32).saturating_sub(1) {
-        let triangle = [first, first + index, first + index + 1];
-        triangles.indices.extend(triangle);
-    }
 }
 
 #[cfg(test)]

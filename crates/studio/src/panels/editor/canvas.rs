@@ -198,14 +198,7 @@ fn handle_mouse(
         return;
     };
     if response.dragged_by(PointerButton::Primary) {
-        let snap = if panel.snaps && !modifiers.alt {
-            SnapSettings {
-                grid_mm: panel.grid_mm,
-                reach_mm: SNAP_REACH / scale,
-            }
-        } else {
-            SnapSettings::OFF
-        };
+        let snap = snap_settings(panel, modifiers, scale);
         let items = &panel.items.items;
         panel.preview = gesture.preview(items, &mut panel.selected, point, snap);
     }
@@ -216,6 +209,21 @@ fn handle_mouse(
             finish_click(panel, &gesture);
         }
         finish(panel, &gesture, &preview);
+    }
+}
+
+/// Returns what a drag snaps to at a scale in points per millimetre: nothing while Alt is held.
+pub(super) fn snap_settings(
+    panel: &EditorPanel,
+    modifiers: egui::Modifiers,
+    scale: f32,
+) -> SnapSettings {
+    if !panel.snaps || modifiers.alt {
+        return SnapSettings::OFF;
+    }
+    SnapSettings {
+        grid_mm: panel.grid_mm,
+        reach_mm: SNAP_REACH / scale,
     }
 }
 

@@ -12,16 +12,12 @@ use crate::canvas::gesture::Preview;
 use crate::canvas::plan::gesture::{self, PlanChange, PlanGesture};
 use crate::canvas::plan::{Plan, PlanView, at_start, handles};
 use crate::canvas::selection::Selection;
-use crate::canvas::snap::SnapSettings;
 use crate::canvas::viewport::{AreaViewport, Viewport};
 use crate::editor::{Edit, Part};
 use crate::scene::{PlanScene, draw_plan};
 use crate::texts::text;
 use ademan_core::contact::TargetId;
 use ademan_core::kinematics::HandPose;
-
-/// Distance at which edges attract, in points.
-const SNAP_REACH: f32 = 6.0;
 
 /// Distance beside an item at which it is hit, in points.
 const HIT_REACH: f32 = 5.0;
@@ -349,14 +345,7 @@ fn handle_mouse(
             panel.end_drag();
             return;
         }
-        let snap = if panel.snaps && !modifiers.alt {
-            SnapSettings {
-                grid_mm: panel.grid_mm,
-                reach_mm: SNAP_REACH / scale,
-            }
-        } else {
-            SnapSettings::OFF
-        };
+        let snap = canvas::snap_settings(panel, modifiers, scale);
         let selected = drag.gesture.selected(&panel.plan.plan, view, point);
         let change = drag.gesture.change(view, point, snap);
         if let Some(selected) = selected {
