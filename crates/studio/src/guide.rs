@@ -298,7 +298,6 @@ mod tests {
     use ademan_core::calibrate::observe_recording;
     use ademan_core::document::Document;
     use ademan_core::layout::{Glove, write_calibration};
-    use ademan_runtime::files::Load;
     use ademan_runtime::sim::GloveFault;
 
     const STEP: Duration = Duration::from_millis(16);
@@ -307,12 +306,18 @@ mod tests {
         GloveEditor::new(&Document::shipped("unam-hc11").unwrap()).unwrap()
     }
 
-    /// Plays a simulated person at a source through the guide, and returns the readings.
-    fn play(guide: &mut Guide, number: u64) -> Vec<(Timestamp, Channels)> {
-        let glove = Glove::load("unam-hc11").unwrap();
-        let mut wearer = SimulatedWearer::new(number, &glove.map, glove.side);
+    /// Plays a simulated person at a source through the guide, and returns the readings. The person leaves out one pose.
+    fn play(
+        guide: &mut Guide,
+        mut wearer: SimulatedWearer,
+        skipped: Option<CalibrationPose>,
+    ) -> Vec<(Timestamp, Channels)> {
         let mut readings = Vec::new();
         while let Some(pose) = guide.pose() {
+            if Some(pose) == skipped {
+                guide.skip();
+                continue;
+            }
             wearer.take(pose);
             let (time, channels) = wearer.next_packet();
             guide.push(time, &channels);
@@ -326,7 +331,8 @@ mod tests {
     fn the_file_is_the_one_that_the_command_computes_from_the_same_recording() {
         let mut editor = editor();
         let mut guide = Guide::new(&editor);
-        let readings = play(&mut guide, 3);
+        let wearer = SimulatedWearer::new(3, &guide.start, guide.side);
+        let readings = play(&mut guide, wearer, None);
         let result = guide.result().unwrap().unwrap().clone();
         editor.set_all(result.calibration);
         let text = editor.text().unwrap();
@@ -349,15 +355,8 @@ mod tests {
         let mut glove_editor = editor();
         let mut guide = Guide::new(&glove_editor).with_single_fingers();
         let fault = GloveFault::Swapped(9, 52);
-        let mut wearer = SimulatedWearer::new(8, &guide.start, guide.side).with_fault(fault);
-        for _ in 0..20_000 {
-            let Some(pose) = guide.pose() else {
-                break;
-            };
-            wearer.take(pose);
-            let (time, channels) = wearer.next_packet();
-            guide.push(time, &channels);
-        }
+        let wearer = SimulatedWearer::new(8, &guide.start, guide.side).with_fault(fault);
+        play(&mut guide, wearer, None);
         let result = guide.result().unwrap().unwrap();
         let moved: Vec<usize> = result.moved.iter().map(|sensor| sensor.channel).collect();
         assert_eq!(moved, [52, 9]);
@@ -373,19 +372,8 @@ mod tests {
     #[test]
     fn the_sensors_of_the_fingers_are_not_compared_without_a_pose_of_one_finger() {
         let mut guide = Guide::new(&editor()).with_single_fingers();
-        let mut wearer = SimulatedWearer::new(8, &guide.start, guide.side);
-        for _ in 0..20_000 {
-            let Some(pose) = guide.pose() else {
-                break;
-            };
-            if pose == CalibrationPose::RingBent {
-                guide.skip();
-                continue;
-            }
-            wearer.take(pose);
-            let (time, channels) = wearer.next_packet();
-            guide.push(time, &channels);
-        }
+        let wearer = SimulatedWearer::new(8, &guide.start, guide.side);
+        play(&mut guide, wearer, Some(CalibrationPose::RingBent));
         let result = guide.result().unwrap().unwrap();
         assert!(result.is_uncompared && result.moved.is_empty());
     }

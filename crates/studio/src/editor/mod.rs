@@ -276,6 +276,12 @@ impl LayoutEditor {
         Some(node.text(&self.text))
     }
 
+    /// Returns a [`value`](Self::value) that is written for the part alone: none for a key in a row, whose text is the row.
+    pub fn own_value(&self, part: Part, field: &str) -> Option<&str> {
+        let value = self.value(part, field);
+        value.filter(|_| !matches!(part, Part::RowKey { .. }))
+    }
+
     /// Returns the number in a field; `None` if none is written.
     pub fn number(&self, part: Part, field: &str) -> Option<f64> {
         let node = self.node(part)?.at(&self.text, field.split('.'))?;
@@ -372,11 +378,6 @@ impl LayoutEditor {
         self.faulty
             .extend(errors.filter_map(|problem| problem.part));
     }
-}
-
-/// Returns a text as it is written in a layout, in quotes.
-pub fn quoted(text: &str) -> String {
-    quote(text)
 }
 
 /// Name of the file of a new layout.

@@ -4,7 +4,7 @@ use eframe::egui;
 
 use super::{EditorPanel, key_press, shortcuts};
 use crate::canvas::choices::matching_keys;
-use crate::editor::{Binding, ControlKind, Edit, FieldType, Part, Slot, fields_of};
+use crate::editor::{Binding, Edit, FieldType, Part, Slot, fields_of};
 use crate::texts::text;
 use ademan_core::device::KeyAction;
 
@@ -134,7 +134,7 @@ fn bind(panel: &mut EditorPanel, part: Part, slot: &Slot, binding: Option<Bindin
 
 /// Returns the actions that a part can have.
 fn slots(panel: &EditorPanel, part: Part) -> Vec<Slot> {
-    if is_key(part) {
+    if part.is_key() {
         let layers = (0..panel.editor.count("layers")).map(Slot::Layer);
         return [Slot::Base, Slot::Hold].into_iter().chain(layers).collect();
     }
@@ -143,15 +143,6 @@ fn slots(panel: &EditorPanel, part: Part) -> Vec<Slot> {
         .filter(|field| field.field_type == FieldType::Action)
         .map(|field| Slot::Field(field.name.to_owned()))
         .collect()
-}
-
-fn is_key(part: Part) -> bool {
-    let kind = ControlKind::Key;
-    match part {
-        Part::RowKey { .. } => true,
-        Part::Control { kind: own, .. } => own == kind,
-        _ => false,
-    }
 }
 
 fn slot_name(panel: &EditorPanel, slot: &Slot) -> String {
@@ -169,18 +160,11 @@ fn slot_name(panel: &EditorPanel, slot: &Slot) -> String {
 /// Returns the present action of a part, as written or as the last valid layout has it.
 fn current(panel: &EditorPanel, part: Part, slot: &Slot) -> Option<String> {
     let editor = &panel.editor;
-    let written = |field: &str| editor.value(part, field).map(str::to_owned);
+    let written = |field: &str| editor.own_value(part, field).map(str::to_owned);
     match slot {
-        Slot::Base => {
-            let is_row_key = matches!(part, Part::RowKey { .. });
-            let fields = ["code", "layer", "action"].into_iter();
-            if is_row_key {
-                editor.part_name(part)
-            } else {
-                fields.filter_map(written).next()
-            }
-        }
-        Slot::Hold => written("hold").filter(|_| !matches!(part, Part::RowKey { .. })),
+        Slot::Base if matches!(part, Part::RowKey { .. }) => editor.part_name(part),
+        Slot::Base => ["code", "layer", "action"].into_iter().find_map(written),
+        Slot::Hold => written("hold"),
         Slot::Layer(layer) => {
             let index = panel.selected.single()?;
             let target = *panel.items.targets.get(index)?;

@@ -8,10 +8,10 @@ use super::EditorPanel;
 use super::form::DraggedField;
 use super::mixed::is_mixed;
 use crate::canvas::plan::at_start;
-use crate::editor::{ANCHOR, Edit, FieldSpec, FieldType, Part, quoted};
+use crate::editor::{ANCHOR, Edit, FieldSpec, FieldType, Part};
 use crate::panels::{is_other_number, typed_number};
 use crate::texts::text;
-use ademan_core::document::read_tree;
+use ademan_core::document::{quote, read_tree};
 
 /// Decimals of a number that is shown.
 const DECIMALS: usize = 3;
@@ -33,10 +33,8 @@ fn in_cell(ui: &mut egui::Ui, name: &str, content: impl FnOnce(&mut egui::Ui)) {
 /// Shows the row of a field: name, value, and the button that removes the field unless the part must have it.
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], field: &FieldSpec) {
     let first = parts[0];
-    let is_row_key = matches!(first, Part::RowKey { .. });
-    // The text of a key in a row is the row: the key has no fields of its own.
-    let written = panel.editor.value(first, field.name).map(str::to_owned);
-    let written = written.filter(|_| !is_row_key);
+    let written = panel.editor.own_value(first, field.name);
+    let written = written.map(str::to_owned);
     let is_mixed = is_mixed(panel, parts, field.name);
     let label = ui.label(display_name(field.name));
     let label = label.on_hover_text(format!("{}: {}", field.name, field.help));
@@ -48,19 +46,16 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
     let can_remove = written.is_some() && field.name != "name" && field.default != REQUIRED;
     if is_mixed {
         ui.weak(text("editor-mixed"));
-    } else if can_remove {
-        show_remove(ui, panel, parts, field.name);
+    } else if can_remove && small_button(ui, "×", text("editor-remove-field")) {
+        set(panel, parts, field.name, None);
     }
 }
 
-/// Shows the button that removes a field.
-fn show_remove(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], field: &str) {
-    let name = text("editor-remove-field");
-    let remove = ui.small_button("×").on_hover_text(name);
-    remove.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
-    if remove.clicked() {
-        set(panel, parts, field, None);
-    }
+/// Shows a button with a sign, whose name is its hint. Returns `true` if it is clicked.
+pub(super) fn small_button(ui: &mut egui::Ui, sign: &str, name: &str) -> bool {
+    let button = ui.small_button(sign).on_hover_text(name);
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    button.clicked()
 }
 
 /// Shows the value of a field as it is written, or its default.
@@ -205,7 +200,7 @@ fn show_text(
                     };
                 }
                 _ if content.is_empty() && default != REQUIRED => None,
-                _ if is_quoted => Some(quoted(&content)),
+                _ if is_quoted => Some(quote(&content)),
                 _ => Some(content),
             };
             Edit::SetField {
@@ -371,14 +366,11 @@ fn edit_while_dragged(
     let revision = panel.editor.revision();
     let before = panel.form.dragged.clone();
     let before = before.filter(|dragged| dragged.name == field && dragged.revision == revision);
-    let dragged = before.unwrap_or_else(|| {
-        let is_row_key = matches!(parts[0], Part::RowKey { .. });
-        DraggedField {
-            name: field,
-            parts: parts.to_vec(),
-            was_written: !is_row_key && panel.editor.value(parts[0], field).is_some(),
-            revision: 0,
-        }
+    let dragged = before.unwrap_or_else(|| DraggedField {
+        name: field,
+        parts: parts.to_vec(),
+        was_written: panel.editor.own_value(parts[0], field).is_some(),
+        revision: 0,
     });
     let edit = edit(dragged.parts.clone());
     let result = if dragged.revision == revision {
@@ -400,7 +392,7 @@ pub(super) fn unquoted(written: &str) -> String {
     ron::from_str(written).unwrap_or_else(|_| written.trim_matches('"').to_owned())
 }
 
-/// Returns the name of a field as it is shown: without its unit, which stands behind its number.
+/// Returns the name of a field as it is shown: without its unit, which follows its number.
 fn display_name(field: &str) -> String {
     const UNITS: [&str; 6] = ["_mm_per_s", "_px_per_s", "_mm", "_deg", "_ms", "_hz"];
     let name = UNITS.iter().find_map(|unit| field.strip_suffix(unit));

@@ -251,14 +251,13 @@ fn show_fields(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part]) {
             value.is_some_and(|value| value.contains('('))
         })
     });
-    let is_row_key = matches!(first, Part::RowKey { .. });
     let is_written = |asked: &EditorPanel, field: &FieldSpec| {
         let dragged = asked.form.dragged.as_ref();
         // A field stays under the mouse while it is dragged.
         if let Some(dragged) = dragged.filter(|dragged| dragged.name == field.name) {
             return dragged.was_written;
         }
-        field.name == "name" || (!is_row_key && asked.editor.value(first, field.name).is_some())
+        field.name == "name" || asked.editor.own_value(first, field.name).is_some()
     };
     let (written, unwritten): (Vec<FieldSpec>, Vec<FieldSpec>) = fields
         .into_iter()

@@ -9,11 +9,7 @@ const MAX_COMPARED: usize = 200;
 
 /// Returns `true` if parts have different values in a field.
 pub(super) fn is_mixed(panel: &EditorPanel, parts: &[Part], field: &str) -> bool {
-    let value = |part: &Part| match part {
-        // The text of a key in a row is the row.
-        Part::RowKey { .. } => None,
-        _ => panel.editor.value(*part, field),
-    };
+    let value = |part: &Part| panel.editor.own_value(*part, field);
     let compared = &parts[..parts.len().min(MAX_COMPARED)];
     compared
         .windows(2)

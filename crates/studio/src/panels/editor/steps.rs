@@ -2,9 +2,11 @@
 
 use eframe::egui;
 
-use super::{EditorPanel, field_row};
-use crate::editor::{Edit, FieldSpec, FieldType, Part, Patch, fields_of, quoted};
+use super::EditorPanel;
+use super::field_row::{self, small_button};
+use crate::editor::{Edit, FieldSpec, FieldType, Part, Patch, fields_of};
 use crate::texts::text;
+use ademan_core::document::quote;
 
 /// Width of the kind of a step, in points.
 const KIND_WIDTH: f32 = 60.0;
@@ -66,7 +68,7 @@ fn show_step(
     field_row::text_cell(ui, panel, kind.name, (&content, ""), |new| {
         let new = match kind.field_type {
             FieldType::Number { .. } => new,
-            _ => quoted(&new),
+            _ => quote(&new),
         };
         step_edit(part, index, Some(format!("{}({new})", kind.name)))
     });
@@ -79,17 +81,11 @@ fn show_step(
     }
 }
 
-fn small_button(ui: &mut egui::Ui, sign: &str, name: &str) -> bool {
-    let button = ui.small_button(sign).on_hover_text(name);
-    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
-    button.clicked()
-}
-
 /// Returns a step of a kind with a value that is valid.
 fn new_step(kind: &FieldSpec) -> String {
     let value = match kind.field_type {
         FieldType::Number { min, max, .. } => NEW_NUMBER.clamp(min, max).to_string(),
-        _ => quoted(NEW_VALUE),
+        _ => quote(NEW_VALUE),
     };
     format!("{}({value})", kind.name)
 }
