@@ -1,5 +1,6 @@
 //! Layouts with faults: they are edited like any other, until they have none.
 
+use super::tests::{control, key};
 use super::*;
 
 fn editor(controls: &str) -> LayoutEditor {
@@ -8,14 +9,6 @@ fn editor(controls: &str) -> LayoutEditor {
          pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),\n{controls})])"
     );
     LayoutEditor::from_text("a.ron", &text, Fit::default())
-}
-
-const fn key(index: usize) -> Part {
-    Part::Control {
-        board: 0,
-        kind: ControlKind::Key,
-        index,
-    }
 }
 
 fn move_by(editor: &mut LayoutEditor, part: Part, x: f64) {
@@ -105,11 +98,7 @@ fn a_control_that_cannot_be_built_is_beside_the_others() {
          knobs: [(name: \"k\", at_mm: (80, 0), diameter_mm: 40)]",
     );
     assert!(editor.is_read() && !editor.is_valid());
-    let knob = Part::Control {
-        board: 0,
-        kind: ControlKind::Knob,
-        index: 0,
-    };
+    let knob = control(ControlKind::Knob, 0);
     assert_eq!(editor.part_of(TargetId(1)), Some(knob));
     let unplaced = editor.unplaced(0);
     let option = Part::RadioOption {
@@ -160,11 +149,7 @@ fn controls_are_pasted_as_text_under_free_names() {
         row: 0,
         column: 1,
     };
-    let slider = Part::Control {
-        board: 0,
-        kind: ControlKind::Slider,
-        index: 0,
-    };
+    let slider = control(ControlKind::Slider, 0);
     source.select([row_key, slider]);
     let text = source.copied().unwrap();
     let paste = |copy: &str, y: f64| Edit::Paste {
@@ -175,24 +160,14 @@ fn controls_are_pasted_as_text_under_free_names() {
     let mut other = editor("keys: [(code: \"C\", at_mm: (0, 0))]");
     other.apply(&paste(&text, 0.0)).unwrap();
     assert!(other.is_valid(), "{:?}", other.problems());
-    let names: Vec<String> = other
-        .layout()
-        .unwrap()
-        .target_names()
-        .iter()
-        .map(str::to_owned)
-        .collect();
-    assert_eq!(names, ["C", "B", "fade"]);
+    let names = |editor: &LayoutEditor| -> Vec<String> {
+        let layout = editor.layout().unwrap();
+        layout.target_names().iter().map(str::to_owned).collect()
+    };
+    assert_eq!(names(&other), ["C", "B", "fade"]);
     assert_eq!(other.selection().len(), 2);
     other.apply(&paste(&text, 120.0)).unwrap();
-    let all_names: Vec<String> = other
-        .layout()
-        .unwrap()
-        .target_names()
-        .iter()
-        .map(str::to_owned)
-        .collect();
-    assert_eq!(all_names, ["C", "B", "B 2", "fade", "fade 2"]);
+    assert_eq!(names(&other), ["C", "B", "B 2", "fade", "fade 2"]);
     for nonsense in ["", "hello", "(", "(keys: [])", "[1, 2]"] {
         assert!(other.apply(&paste(nonsense, 0.0)).is_err(), "{nonsense}");
     }

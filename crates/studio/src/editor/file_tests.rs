@@ -8,6 +8,7 @@ use std::time::Duration;
 use ademan_runtime::files::LockedFile;
 use tempfile::TempDir;
 
+use super::tests::key;
 use super::*;
 
 const TEXT: &str = "// mine
@@ -47,12 +48,7 @@ fn write_later(path: &Path, text: &str) {
 }
 
 fn move_key(editor: &mut LayoutEditor, index: usize, y: f64) {
-    let key = Part::Control {
-        board: 0,
-        kind: ControlKind::Key,
-        index,
-    };
-    let parts = vec![key];
+    let parts = vec![key(index)];
     let by_mm = [0.0, y, 0.0];
     editor.apply(&Edit::Move { parts, by_mm }).unwrap();
 }
@@ -112,11 +108,6 @@ fn a_change_by_another_program_is_read_or_merged() {
 fn a_selected_key_stays_selected_when_another_program_adds_one_before_it() {
     let (_folder, path) = file();
     let mut editor = open(&path);
-    let key = |index| Part::Control {
-        board: 0,
-        kind: ControlKind::Key,
-        index,
-    };
     editor.select([key(0)]);
     let first = "(code: \"A\"";
     let more = format!("(code: \"E\", at_mm: (0, 40)),\n                {first}");

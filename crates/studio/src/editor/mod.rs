@@ -44,7 +44,7 @@ mod file_tests;
 #[cfg(test)]
 mod random_tests;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use self::anchor::ANCHOR;
 pub use self::file::{Change, Conflict, FileState, Resolution, SaveError};

@@ -145,7 +145,8 @@ fn problem(message: String, editor: &LayoutEditor, target: Option<TargetId>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::editor::{ControlKind, Edit, Part};
+    use crate::editor::tests::key;
+    use crate::editor::{Edit, Part};
     use ademan_core::document::{Document, shipped_layouts};
     use ademan_core::layout::Fit;
     use ademan_runtime::setup::Setup;
@@ -187,11 +188,7 @@ mod tests {
         assert!(warning.message.starts_with("`B` is "), "{warning:?}");
         assert_eq!(warning.severity, Severity::Warning);
         assert_eq!(warning.line, Some(5));
-        let key = Part::Control {
-            board: 0,
-            kind: ControlKind::Key,
-            index: 1,
-        };
+        let key = key(1);
         assert_eq!(warning.part, Some(key));
         let nearer = Edit::Move {
             parts: vec![key],

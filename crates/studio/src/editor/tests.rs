@@ -23,12 +23,18 @@ fn edited(boards: &str, edit: &Edit) -> String {
     text[start..text.len() - "\n])\n".len()].to_owned()
 }
 
-fn key(index: usize) -> Part {
+/// Returns a control of the first board.
+pub(crate) const fn control(kind: ControlKind, index: usize) -> Part {
     Part::Control {
         board: 0,
-        kind: ControlKind::Key,
+        kind,
         index,
     }
+}
+
+/// Returns a key of the first board that is not in a row.
+pub(crate) const fn key(index: usize) -> Part {
+    control(ControlKind::Key, index)
 }
 
 fn in_row(column: usize) -> Part {
@@ -268,11 +274,7 @@ fn all_errors_are_problems_with_the_part_at_their_position() {
         .iter()
         .map(|problem| problem.part)
         .collect();
-    let knob = Part::Control {
-        board: 0,
-        kind: ControlKind::Knob,
-        index: 0,
-    };
+    let knob = control(ControlKind::Knob, 0);
     assert_eq!(parts, [Some(knob)]);
     editor
         .apply(&Edit::SetField {

@@ -377,13 +377,8 @@ fn is_red(editor: &LayoutEditor) -> bool {
 #[test]
 fn controls_that_overlap_are_red_while_they_do() {
     let mut editor = editor(TWO_BOARDS);
-    let key = Part::Control {
-        board: 0,
-        kind: crate::editor::ControlKind::Key,
-        index: 1,
-    };
     let nearer = crate::editor::Edit::Move {
-        parts: vec![key],
+        parts: vec![crate::editor::tests::key(1)],
         by_mm: [-9.0, 0.0, 0.0],
     };
     editor.apply(&nearer).unwrap();

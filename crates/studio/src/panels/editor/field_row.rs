@@ -405,12 +405,7 @@ mod tests {
 
     #[test]
     fn a_list_has_its_default_once_even_if_that_is_no_value() {
-        let key = Part::Control {
-            board: 0,
-            kind: crate::editor::ControlKind::Key,
-            index: 0,
-        };
-        let fields = crate::editor::fields_of(key);
+        let fields = crate::editor::fields_of(crate::editor::tests::key(0));
         let finger = fields.iter().find(|field| field.name == "finger").unwrap();
         let FieldType::Choice(fingers) = finger.field_type else {
             panic!("{finger:?}");

@@ -307,14 +307,10 @@ fn field_rows(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::editor::tests::{control, key};
 
     #[test]
     fn only_fields_that_all_selected_parts_have_are_shown() {
-        let key = |index| Part::Control {
-            board: 0,
-            kind: ControlKind::Key,
-            index,
-        };
         let names = |parts: &[Part]| -> Vec<&'static str> {
             let fields = common_fields(parts).into_iter();
             fields.map(|field| field.name).collect()
@@ -323,11 +319,7 @@ mod tests {
         let of_keys = names(&keys);
         assert!(of_keys.contains(&"lift_mm") && !of_keys.contains(&"name"));
         assert!(names(&keys[..1]).contains(&"name"));
-        let knob = Part::Control {
-            board: 0,
-            kind: ControlKind::Knob,
-            index: 0,
-        };
+        let knob = control(ControlKind::Knob, 0);
         let of_both = names(&[&keys[..], &[knob][..]].concat());
         assert!(!of_both.contains(&"lift_mm"), "a knob has no such field");
     }
