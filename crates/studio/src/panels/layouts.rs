@@ -7,6 +7,7 @@ use eframe::egui::{self, PopupCloseBehavior};
 
 use super::{PanelState, file_field};
 use crate::first_start::LAYOUTS;
+use crate::recent::RecentFiles;
 use crate::setup_change::SetupChange;
 use crate::texts::{text, text_with};
 use ademan_core::message::escape;
@@ -23,7 +24,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState) {
     let menu = MenuButton::new(text("menu-open")).config(stays);
     let (button, _) = menu.ui(ui, |ui| {
         ui.set_width(WIDTH);
-        let chosen = show_recent(ui, state)
+        let chosen = choose_recent(ui, state)
             .or_else(|| {
                 file_field::show(
                     ui,
@@ -43,12 +44,30 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState) {
 }
 
 /// Returns the file that was chosen. One that is no longer there is dropped with a message.
-fn show_recent(ui: &mut egui::Ui, state: &mut PanelState) -> Option<String> {
-    let recent = state.settings.recent_layouts.clone();
+fn choose_recent(ui: &mut egui::Ui, state: &mut PanelState) -> Option<String> {
+    let recent = &mut state.settings.recent_layouts;
     recent.iter().next()?;
-    ui.strong(text("layouts-recent"));
+    let chosen = show_recent(ui, recent, "");
+    ui.separator();
+    let file = chosen?;
+    match drop_missing(recent, &file) {
+        None => Some(file),
+        Some(message) => {
+            state.message = Some(message);
+            None
+        }
+    }
+}
+
+/// Shows the files that were opened before and have a part of their path in common with a query. Returns the one that is clicked.
+pub(super) fn show_recent(ui: &mut egui::Ui, recent: &RecentFiles, query: &str) -> Option<String> {
     let mut chosen = None;
-    for file in recent.iter() {
+    let found = recent.iter();
+    let found = found.filter(|file| file.to_lowercase().contains(query));
+    for (index, file) in found.enumerate() {
+        if index == 0 {
+            ui.strong(text("layouts-recent"));
+        }
         let name = Path::new(file).file_name().unwrap_or_default();
         let name = name.to_string_lossy();
         let button = ui.selectable_label(false, escape(&name).into_owned());
@@ -56,15 +75,17 @@ fn show_recent(ui: &mut egui::Ui, state: &mut PanelState) -> Option<String> {
             chosen = Some(file.to_owned());
         }
     }
-    ui.separator();
-    let file = chosen?;
-    if Path::new(&file).is_file() {
-        return Some(file);
+    chosen
+}
+
+/// Drops a file that is no longer there from the list. Returns the message about it.
+pub(super) fn drop_missing(recent: &mut RecentFiles, file: &str) -> Option<String> {
+    if Path::new(file).is_file() {
+        return None;
     }
-    state.settings.recent_layouts.remove(&file);
-    let name = escape(&file).into_owned();
-    state.message = Some(text_with("layouts-missing", &[("file", name.into())]));
-    None
+    recent.remove(file);
+    let name = escape(file).into_owned();
+    Some(text_with("layouts-missing", &[("file", name.into())]))
 }
 
 fn show_shipped(ui: &mut egui::Ui) -> Option<String> {

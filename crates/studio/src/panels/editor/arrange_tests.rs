@@ -7,6 +7,22 @@ use super::tests::{TWO_KEYS, Window};
 use super::*;
 use crate::canvas::group;
 
+const ARC: &str = "Layout(name: \"Arc\", boards: [(
+        pose: (anchor: elbow, forward_mm: 320), shape: Arc(radius_mm: 320),
+        rows: [(at_mm: (0, 0), keys: \"A B C\")],
+    )])";
+
+/// Opens the board with an arc, of which the canvas shows the right part.
+fn on_arc() -> Window {
+    let mut window = Window::on_text(ARC, 700.0);
+    window.panel().viewport = AreaViewport::fixed(Viewport {
+        center: parry3d::math::Vec2::new(20.0, 0.0),
+        scale: 5.0,
+    });
+    window.harness.run_steps(2);
+    window
+}
+
 /// Returns the right far corner of the frame around both keys, on the screen.
 fn far_corner(window: &mut Window) -> Pos2 {
     let panel = window.panel();
@@ -74,49 +90,31 @@ fn escape_cancels_a_drag_of_the_frame_and_of_a_key() {
 
 #[test]
 fn keys_of_an_arc_are_scaled_along_it() {
-    let text = "Layout(name: \"Arc\", boards: [(
-        pose: (anchor: elbow, forward_mm: 320), shape: Arc(radius_mm: 320),
-        rows: [(at_mm: (0, 0), keys: \"A B C\")],
-    )])";
-    let mut window = Window::on_text(text, 700.0);
+    let mut window = on_arc();
     window.press(Modifiers::COMMAND, Key::A);
-    window.panel().viewport = AreaViewport::fixed(Viewport {
-        center: parry3d::math::Vec2::new(20.0, 0.0),
-        scale: 5.0,
-    });
-    window.harness.run_steps(2);
     let from = far_corner(&mut window);
     let end = start_drag(&mut window, from, vec2(55.0, 0.0) * 5.0);
     window.button(end, false);
     let row = "at_mm: (8.5, 0), keys: \"A B C\", size_mm: Box(34, 17), pitch_mm: 38";
-    let expected = text.replace("at_mm: (0, 0), keys: \"A B C\"", row);
+    let expected = ARC.replace("at_mm: (0, 0), keys: \"A B C\"", row);
     assert_eq!(window.text(), expected);
 }
 
 #[test]
 fn a_click_on_the_handle_of_a_bend_changes_nothing_and_a_drag_bends() {
-    let text = "Layout(name: \"Arc\", boards: [(
-        pose: (anchor: elbow, forward_mm: 320), shape: Arc(radius_mm: 320),
-        rows: [(at_mm: (0, 0), keys: \"A B C\")],
-    )])";
-    let mut window = Window::on_text(text, 700.0);
-    window.panel().viewport = AreaViewport::fixed(Viewport {
-        center: parry3d::math::Vec2::new(20.0, 0.0),
-        scale: 5.0,
-    });
-    window.harness.run_steps(2);
+    let mut window = on_arc();
     let handle = canvas::bend_handle(window.panel()).unwrap();
     let beside = window.at(handle.x, handle.y) + vec2(3.0, 3.0);
     window.click(beside);
-    assert_eq!(window.text(), text);
+    assert_eq!(window.text(), ARC);
     start_drag(&mut window, beside, vec2(0.0, 40.0));
     window.event(Event::PointerMoved(beside));
     window.button(beside, false);
-    assert_eq!(window.text(), text, "a drag that returns");
+    assert_eq!(window.text(), ARC, "a drag that returns");
     let end = start_drag(&mut window, beside, vec2(0.0, 40.0));
     window.button(end, false);
     let bent = window.text();
-    assert_ne!(bent, text);
+    assert_ne!(bent, ARC);
     assert!(!bent.contains("radius_mm: 320"), "{bent}");
 }
 

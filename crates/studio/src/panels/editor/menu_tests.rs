@@ -23,6 +23,20 @@ impl Window {
         }
     }
 
+    /// Taps a key, within one frame.
+    pub(super) fn tap(&mut self, key: Key) {
+        for pressed in [true, false] {
+            self.harness.input_mut().events.push(Event::Key {
+                key,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers: Modifiers::NONE,
+            });
+        }
+        self.harness.run_steps(1);
+    }
+
     /// Returns `true` if the last frame has asked the desktop for the clipboard.
     fn has_asked_for_clipboard(&self) -> bool {
         let output = &self.harness.output().viewport_output;
@@ -34,14 +48,7 @@ impl Window {
     fn copy_link(&mut self) -> Option<String> {
         self.press(Modifiers::COMMAND, Key::K);
         self.write(text("editor-copy-link"));
-        self.harness.event(Event::Key {
-            key: Key::Enter,
-            physical_key: None,
-            pressed: true,
-            repeat: false,
-            modifiers: Modifiers::NONE,
-        });
-        self.harness.run_steps(1);
+        self.tap(Key::Enter);
         let commands = &self.harness.output().platform_output.commands;
         let copied = commands.iter().find_map(|command| match command {
             egui::OutputCommand::CopyText(copied) => Some(copied.clone()),
@@ -161,14 +168,7 @@ fn the_palette_has_the_commands_that_can_be_used() {
     assert!(window.text().contains("chords"));
     window.press(Modifiers::COMMAND, Key::K);
     window.write(text("editor-paste"));
-    window.harness.input_mut().events.push(Event::Key {
-        key: Key::Enter,
-        physical_key: None,
-        pressed: true,
-        repeat: false,
-        modifiers: Modifiers::NONE,
-    });
-    window.harness.run_steps(1);
+    window.tap(Key::Enter);
     assert!(window.has_asked_for_clipboard());
 }
 
@@ -197,14 +197,7 @@ fn the_palette_pastes_what_comes_with_the_next_picture() {
     let copied = window.panel().editor.copied().expect("controls");
     window.press(Modifiers::COMMAND, Key::K);
     window.write(text("editor-paste"));
-    window.harness.input_mut().events.push(Event::Key {
-        key: Key::Enter,
-        physical_key: None,
-        pressed: true,
-        repeat: false,
-        modifiers: Modifiers::NONE,
-    });
-    window.harness.run_steps(1);
+    window.tap(Key::Enter);
     window.event(Event::Paste(copied));
     assert_eq!(window.panel().items.items.len(), 4);
 }

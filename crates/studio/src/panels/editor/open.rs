@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Key};
 
-use super::super::{ConvertSvg, PictureFormats};
+use super::super::{ConvertSvg, PictureFormats, layouts};
 use super::EditorPanel;
 use super::shortcuts::is_asked;
 use crate::editor::LayoutEditor;
 use crate::recent::RecentFiles;
-use crate::texts::{text, text_with};
+use crate::texts::text;
 use ademan_core::document::{Document, shipped_layouts};
 use ademan_core::layout::Wearer;
-use ademan_core::message::{escape, escape_path};
+use ademan_core::message::escape_path;
 use ademan_runtime::files::{self, FileError};
 use ademan_runtime::layout_link::{LOCAL_PAGE, share_layout};
 
@@ -54,18 +54,6 @@ impl EditorPanel {
             Ok(editor) => self.replace_editor(editor),
             Err(error) => self.message = Some(Err(error.to_string())),
         }
-    }
-
-    /// Opens a file that was opened before. One that is no longer there is removed from the list, with a message.
-    fn open_recent(&mut self, file: &str, recent: &mut RecentFiles) {
-        if Path::new(file).is_file() {
-            self.open_other(file);
-            return;
-        }
-        recent.remove(file);
-        let name = escape(file).into_owned();
-        let message = text_with("layouts-missing", &[("file", name.into())]);
-        self.message = Some(Err(message));
     }
 
     /// Opens a new layout without controls in the same way.
@@ -190,25 +178,6 @@ fn open_dropped(ui: &egui::Ui, panel: &mut EditorPanel) {
     }
 }
 
-/// Shows the files that were opened before and have a part of their path in common with a query. Returns the one that is clicked.
-fn show_recent(ui: &mut egui::Ui, recent: &RecentFiles, query: &str) -> Option<String> {
-    let mut chosen = None;
-    let found = recent.iter();
-    let found = found.filter(|file| file.to_lowercase().contains(query));
-    for (index, file) in found.enumerate() {
-        if index == 0 {
-            ui.strong(text("layouts-recent"));
-        }
-        let name = Path::new(file).file_name().unwrap_or_default();
-        let name = name.to_string_lossy();
-        let entry = ui.selectable_label(false, escape(&name).into_owned());
-        if entry.on_hover_text(escape(file).into_owned()).clicked() {
-            chosen = Some(file.to_owned());
-        }
-    }
-    chosen
-}
-
 /// Asks which layout is opened: a file, one that was opened before, or one that comes with the program.
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut RecentFiles) {
     open_dropped(ui, panel);
@@ -247,7 +216,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
                 && ui
                     .selectable_label(false, text("editor-open-empty"))
                     .clicked();
-            chosen_recent = show_recent(ui, recent, &query);
+            chosen_recent = layouts::show_recent(ui, recent, &query);
             ui.strong(text("layouts-shipped"));
             for name in shipped_layouts().filter(|name| name.contains(&query)) {
                 if ui.selectable_label(false, name).clicked() {
@@ -258,7 +227,10 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
         is_closed |= ui.button(text("editor-cancel")).clicked();
     });
     if let Some(file) = chosen_recent {
-        panel.open_recent(&file, recent);
+        match layouts::drop_missing(recent, &file) {
+            None => panel.open_other(&file),
+            Some(message) => panel.message = Some(Err(message)),
+        }
         return;
     }
     match chosen.filter(|name| !name.is_empty()) {
@@ -277,6 +249,16 @@ mod tests {
     use super::*;
     use crate::editor::{Edit, NewPart, Part};
     use ademan_core::layout::{Fit, Layout};
+    use tempfile::TempDir;
+
+    /// Returns a folder, and the path of a layout with a text in it.
+    fn file(content: &str) -> (TempDir, String) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("mine.ron");
+        fs::write(&path, content).expect("a file");
+        let path = path.to_str().expect("a readable path").to_owned();
+        (folder, path)
+    }
 
     #[test]
     fn an_empty_layout_that_replaces_another_one_is_not_open_elsewhere() {
@@ -304,11 +286,8 @@ mod tests {
 
     #[test]
     fn a_text_that_cannot_be_read_is_not_exported_as_it_was_before() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("mine.ron");
-        fs::write(&path, TWO_KEYS).expect("a file");
-        let name = path.to_str().expect("a readable path");
-        let mut panel = EditorPanel::open(name, Fit::default(), None).expect("a layout");
+        let (_folder, path) = file(TWO_KEYS);
+        let mut panel = EditorPanel::open(&path, Fit::default(), None).expect("a layout");
         panel.apply(&Edit::SetField {
             parts: vec![Part::Board(0)],
             field: "travel_mm".to_owned(),
@@ -317,20 +296,17 @@ mod tests {
         assert!(!panel.editor.is_read());
         panel.export_svg();
         assert!(matches!(panel.message, Some(Err(_))));
-        assert!(!path.with_extension("svg").exists());
+        assert!(!Path::new(&path).with_extension("svg").exists());
     }
 
     #[test]
     fn a_layout_whose_changes_are_not_kept_is_not_left() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("mine.ron");
-        fs::write(&path, TWO_KEYS).expect("a file");
-        let name = path.to_str().expect("a readable path");
-        let mut panel = EditorPanel::open(name, Fit::default(), None).expect("a layout");
+        let (_folder, path) = file(TWO_KEYS);
+        let mut panel = EditorPanel::open(&path, Fit::default(), None).expect("a layout");
         panel.apply(&Edit::Add(NewPart::Layer));
         let edited = panel.editor.text().to_owned();
         panel.open_empty();
-        panel.open_other(name);
+        panel.open_other(&path);
         assert_eq!(panel.editor.text(), edited);
         assert!(matches!(panel.message, Some(Err(_))));
         panel.undo();
@@ -340,16 +316,13 @@ mod tests {
 
     #[test]
     fn a_layout_that_is_opened_again_offers_its_unsaved_work() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("mine.ron");
-        fs::write(&path, TWO_KEYS).expect("a file");
-        let name = path.to_str().expect("a readable path");
+        let (folder, path) = file(TWO_KEYS);
         let work = folder.path().join("editor");
-        let opened = EditorPanel::open(name, Fit::default(), Some(&work));
+        let opened = EditorPanel::open(&path, Fit::default(), Some(&work));
         let mut panel = opened.expect("a layout");
         panel.apply(&Edit::Add(NewPart::Layer));
         let edited = panel.editor.text().to_owned();
-        panel.open_other(name);
+        panel.open_other(&path);
         assert_eq!(panel.message, None);
         assert_eq!(panel.editor.text(), TWO_KEYS);
         let found = panel.editor.found_work().map(|found| &found.text);
@@ -358,11 +331,8 @@ mod tests {
 
     #[test]
     fn the_layout_of_a_recording_is_its_text_and_not_the_file_of_its_name() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("mine.ron");
-        fs::write(&path, "Layout(name: \"Of this machine\")").expect("a file");
-        let name = path.to_str().expect("a readable path");
-        let recorded = Layout::parse(TWO_KEYS, name).expect("a layout");
+        let (folder, path) = file("Layout(name: \"Of this machine\")");
+        let recorded = Layout::parse(TWO_KEYS, &path).expect("a layout");
         let work = folder.path().join("editor");
         let panel = EditorPanel::of_recording(&recorded, Some(&work));
         assert_eq!(panel.message, None);

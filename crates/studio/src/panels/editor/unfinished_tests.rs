@@ -39,20 +39,6 @@ impl Window {
         self.harness.run_steps(20);
     }
 
-    /// Taps a key, within one frame.
-    fn tap(&mut self, key: Key) {
-        for pressed in [true, false] {
-            self.harness.input_mut().events.push(Event::Key {
-                key,
-                physical_key: None,
-                pressed,
-                repeat: false,
-                modifiers: Modifiers::NONE,
-            });
-        }
-        self.harness.run_steps(1);
-    }
-
     fn number_at(&self, name: &str) -> Pos2 {
         let field = self.harness.get_by_role_and_label(Role::SpinButton, name);
         field.rect().center()
