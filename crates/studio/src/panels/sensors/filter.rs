@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use eframe::egui::{self, Color32, DragValue, Pos2, Stroke};
 
+use super::named_number;
 use crate::filter_trace::{FilterSample, FilterTrace, SECONDS};
 use crate::joint_names::joint_name;
 use crate::panels::{PanelContext, is_other_number, typed_number};
@@ -71,12 +72,12 @@ fn lag_text(lag: Duration) -> String {
 fn show_choice(ui: &mut egui::Ui, smoothing: Smoothing) -> Smoothing {
     let mut new = smoothing;
     let one_euro = match smoothing {
-        Smoothing::OneEuro(settings) => settings,
-        _ => default_settings(),
+        Smoothing::OneEuro(_) => smoothing,
+        _ => Smoothing::default(),
     };
     ui.horizontal_wrapped(|ui| {
         let choices = [
-            (Smoothing::OneEuro(one_euro), text("filter-one-euro")),
+            (one_euro, text("filter-one-euro")),
             (Smoothing::RecursiveAverage, text("filter-average")),
             (Smoothing::Off, text("filter-off")),
         ];
@@ -93,19 +94,13 @@ fn show_choice(ui: &mut egui::Ui, smoothing: Smoothing) -> Smoothing {
                 .speed(0.02)
                 .max_decimals(DECIMALS)
                 .suffix(" Hz");
-            let label = ui
-                .label(text("filter-cutoff"))
-                .on_hover_text(text("filter-cutoff-hint"));
-            ui.add(cutoff).labelled_by(label.id);
+            named_number(ui, "filter-cutoff", "filter-cutoff-hint", cutoff);
             let beta = DragValue::new(&mut settings.beta)
                 .range(BETAS)
                 .custom_parser(typed_number)
                 .speed(0.05)
                 .max_decimals(DECIMALS);
-            let beta_label = ui
-                .label(text("filter-beta"))
-                .on_hover_text(text("filter-beta-hint"));
-            ui.add(beta).labelled_by(beta_label.id);
+            named_number(ui, "filter-beta", "filter-beta-hint", beta);
         });
         // A field that is left without a change rounds its number to what it shows.
         if !is_other_number(old.min_cutoff_hz, settings.min_cutoff_hz, DECIMALS) {
@@ -116,17 +111,6 @@ fn show_choice(ui: &mut egui::Ui, smoothing: Smoothing) -> Smoothing {
         }
     }
     new
-}
-
-fn default_settings() -> OneEuroSettings {
-    match Smoothing::default() {
-        Smoothing::OneEuro(settings) => settings,
-        _ => OneEuroSettings {
-            min_cutoff_hz: 1.0,
-            beta: 0.0,
-            derivative_cutoff_hz: 1.0,
-        },
-    }
 }
 
 fn show_joints(ui: &mut egui::Ui, sensors: &mut SensorControl) {

@@ -45,6 +45,17 @@ fn section(ui: &mut egui::Ui, name: &str, content: impl FnOnce(&mut egui::Ui)) {
     header.default_open(true).show_unindented(ui, content);
 }
 
+/// Adds a name with a hint, and the number that it names.
+fn named_number(
+    ui: &mut egui::Ui,
+    name: &'static str,
+    hint: &'static str,
+    number: egui::DragValue<'_>,
+) {
+    let label = ui.label(text(name)).on_hover_text(text(hint));
+    ui.add(number).labelled_by(label.id);
+}
+
 /// Adds a part of a row with a width of its own.
 pub(super) fn cell(
     ui: &mut egui::Ui,

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::{self, DragValue};
 
+use super::named_number;
 use crate::glove_editor::{GloveEditor, MAX_FULL_RANGE_DEG, MIN_FULL_RANGE_DEG};
 use crate::joint_names::joint_name;
 use crate::panels::{PanelContext, is_other_number, typed_number};
@@ -68,19 +69,13 @@ fn show_joint(
     let value = number(&mut range, MIN_FULL_RANGE_DEG..=MAX_FULL_RANGE_DEG)
         .speed(0.5)
         .suffix("°");
-    let label = ui
-        .label(text("value-gain"))
-        .on_hover_text(text("value-gain-hint"));
-    ui.add(value).labelled_by(label.id);
+    named_number(ui, "value-gain", "value-gain-hint", value);
     if is_other_number(old.0, range, DECIMALS) {
         sensors.edit(|edited| edited.set_full_range_deg(row, range));
     }
     ui.end_row();
     let zero_value = number(&mut zero, -full_scale..=2.0 * full_scale).speed(0.2);
-    let zero_label = ui
-        .label(text("value-offset"))
-        .on_hover_text(text("value-offset-hint"));
-    ui.add(zero_value).labelled_by(zero_label.id);
+    named_number(ui, "value-offset", "value-offset-hint", zero_value);
     if is_other_number(old.1, zero, DECIMALS) {
         sensors.edit(|edited| edited.set_zero_count(row, zero));
     }
