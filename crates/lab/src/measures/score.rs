@@ -342,7 +342,6 @@ fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> 
         shown_errors: nearest.then_some(observed.shown_errors as u64),
         words: observed.words[0] as u64,
         word_errors: observed.words[1] as u64,
-        unknown_words: None,
         keystrokes: observed.keystrokes as u64,
         keystrokes_by_class: (person.corrects > 0.0).then_some(observed.keystrokes_by_class),
         wpm: speed(observed.edits.correct, observed.phrases, observed.seconds),
@@ -374,12 +373,7 @@ fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> 
             .map(|(target, tally)| key_score(name(target), tally))
             .collect(),
         wrong: wrong.collect(),
-        tasks: Vec::new(),
-        pointing: None,
-        unreached: Vec::new(),
-        untried: Vec::new(),
-        untypable: String::new(),
-        text_readings: Vec::new(),
+        ..PersonScore::default()
     }
 }
 

@@ -113,7 +113,7 @@ fn add(scores: &mut Vec<ReadingScore>, presented: &str, readings: &[&str; READER
     for (score, text) in scores.iter_mut().zip(readings) {
         let edits = EditCounts::new(&presented, &plain(text));
         score.characters += presented.chars().count() as u64;
-        score.errors += (edits.insertions + edits.deletions + edits.substitutions) as u64;
+        score.errors += edits.errors() as u64;
     }
 }
 

@@ -75,6 +75,14 @@ impl EditCounts {
         self.substitutions + self.insertions + self.deletions
     }
 
+    /// Adds the characters of another text.
+    pub fn add(&mut self, other: Self) {
+        self.correct += other.correct;
+        self.substitutions += other.substitutions;
+        self.insertions += other.insertions;
+        self.deletions += other.deletions;
+    }
+
     fn better(self, other: Self) -> Self {
         let rank = |counts: &Self| (counts.errors(), usize::MAX - counts.correct);
         if rank(&other) < rank(&self) {

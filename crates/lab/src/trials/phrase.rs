@@ -221,6 +221,17 @@ impl Station {
                 break;
             }
         }
+        let typed = self.evaluate(&mut session, &presented, observed);
+        (presented, typed)
+    }
+
+    /// Adds what was observed of a phrase that has been typed. Returns the typed text.
+    fn evaluate(
+        &mut self,
+        session: &mut Session,
+        presented: &str,
+        observed: &mut Observed,
+    ) -> String {
         let layout = &self.layout;
         session.attribute(layout);
         observed.add_strokes(&session.strokes, |a, b| are_neighbors(layout, a, b));
@@ -228,17 +239,13 @@ impl Station {
         let nearest = text_of_nearest_keys(layout, &session.strokes, |it| it.point);
         let shown = |stroke: &Stroke| stroke.shown.unwrap_or(stroke.point);
         let shown = text_of_nearest_keys(layout, &session.strokes, shown);
-        let meant = self.compared(&presented);
+        let meant = self.compared(presented);
         let errors = |text: &str| EditCounts::new(&meant, &self.compared(text)).errors();
         observed.nearest_errors += errors(&nearest);
         observed.shown_errors += errors(&shown);
         let plane = session.plane.take().map(PlaneCrossing::into_text);
-        let edits = self.compare(
-            &presented,
-            &typed,
-            [nearest, plane.unwrap_or_default()],
-            observed,
-        );
+        let readings = [nearest, plane.unwrap_or_default()];
+        let edits = self.compare(presented, &typed, readings, observed);
         observed.keystrokes += session.keystrokes;
         let classes = KeystrokeClasses::new(&edits, session.fixed, session.fixes);
         observed.keystrokes_by_class.add(classes);
@@ -249,12 +256,9 @@ impl Station {
         let characters = meant.chars().count();
         observed.by_phrase.push((edits, characters, seconds));
         for hand in &mut self.hands {
-            let load = std::mem::take(&mut hand.load);
-            observed.load.travel += load.travel;
-            observed.load.uncomfortable += load.uncomfortable;
-            observed.load.seconds += load.seconds;
+            observed.load.add(std::mem::take(&mut hand.load));
         }
-        (presented, typed)
+        typed
     }
 
     /// Returns a text as it is compared: with a decoder, each phrase ends with a space that is not part of it.
@@ -280,10 +284,7 @@ impl Station {
         observed.words[0] += words;
         observed.words[1] += errors;
         let edits = EditCounts::new(&meant, &compared);
-        observed.edits.correct += edits.correct;
-        observed.edits.substitutions += edits.substitutions;
-        observed.edits.insertions += edits.insertions;
-        observed.edits.deletions += edits.deletions;
+        observed.edits.add(edits);
         observed.characters += meant.chars().count();
         let Some(recorder) = &self.recorder else {
             return edits;

@@ -54,6 +54,15 @@ pub struct Load {
     pub seconds: f64,
 }
 
+impl Load {
+    /// Adds the load of another hand.
+    pub fn add(&mut self, other: Self) {
+        self.travel += other.travel;
+        self.uncomfortable += other.uncomfortable;
+        self.seconds += other.seconds;
+    }
+}
+
 /// A hand with its arm, its sensors and its habits.
 #[derive(Clone)]
 pub struct FluentHand {
