@@ -70,7 +70,8 @@ pub(super) fn write(grid: &Grid, hands: ImportHands) -> Imported {
             });
         }
     }
-    place_thumbs(&grid.rows[4], &mut boards, hands, &mut notes);
+    let thumbs = thumb_keys(&grid.rows[4], &boards, hands, &mut notes);
+    place_thumbs(thumbs, &mut boards, hands);
     let name = shortened(&grid.name);
     let mut text = format!(
         "// {}. Fingers are not imported: people choose them.\nLayout(\n    name: {},\n    description: {},\n    boards: [\n",
@@ -91,13 +92,13 @@ pub(super) fn write(grid: &Grid, hands: ImportHands) -> Imported {
     Imported { name, text, notes }
 }
 
-/// Places the keys of thumbs, and the keys that a layout needs to type.
-fn place_thumbs(
+/// Returns the keys of the left and the right thumb from left to right, with those that a layout needs to type and that are on no board.
+fn thumb_keys(
     row: &ImportedRow,
-    boards: &mut [BoardText],
+    boards: &[BoardText],
     hands: ImportHands,
     notes: &mut Vec<String>,
-) {
+) -> [Vec<Action>; 2] {
     let keys: Vec<Action> = row.keys.iter().filter_map(action).collect();
     let (mut left, mut right) = (Vec::new(), Vec::new());
     for (index, key) in keys.iter().enumerate() {
@@ -110,12 +111,12 @@ fn place_thumbs(
     }
     let code = |name: &str| Action::Code(name.to_owned());
     let space = code("Space");
-    let on_boards = |name: &str, placed: &[BoardText]| {
-        let mut all = placed.iter().flat_map(|board| &board.keys);
+    let on_boards = |name: &str| {
+        let mut all = boards.iter().flat_map(|board| &board.keys);
         all.any(|key| key.action == code(name))
     };
     // Each hand has a space bar, as on a keyboard.
-    let has_space = keys.contains(&space) || on_boards("Space", boards);
+    let has_space = keys.contains(&space) || on_boards("Space");
     if hands == ImportHands::Two && !left.contains(&space) {
         left.push(space.clone());
     }
@@ -125,7 +126,7 @@ fn place_thumbs(
     let mut added: Vec<&str> = if has_space { Vec::new() } else { vec!["Space"] };
     for (name, is_left) in [("ShiftLeft", true), ("Backspace", false), ("Enter", false)] {
         let action = code(name);
-        if keys.contains(&action) || on_boards(name, boards) {
+        if keys.contains(&action) || on_boards(name) {
             continue;
         }
         added.push(name);
@@ -138,6 +139,11 @@ fn place_thumbs(
     if !added.is_empty() {
         notes.push(format!("added below the letters: {}", added.join(", ")));
     }
+    [left, right]
+}
+
+/// Places the keys of the left and the right thumb below the letters.
+fn place_thumbs([left, right]: [Vec<Action>; 2], boards: &mut [BoardText], hands: ImportHands) {
     let width = |action: &Action| match action {
         Action::Code(name) if name == "Space" => SPACE,
         Action::Code(name) if ["ShiftLeft", "Backspace", "Enter"].contains(&name.as_str()) => WIDE,
@@ -148,26 +154,20 @@ fn place_thumbs(
         ImportHands::Two => INNER,
         ImportHands::One => -GAP / 2.0,
     };
-    let mut edge = inner;
-    for action in left.into_iter().rev() {
-        let width = width(&action);
-        boards[0].keys.push(Placed {
-            at: [edge - width / 2.0, y],
-            action,
-            width,
-        });
-        edge -= width + GAP;
-    }
-    let mut right_edge = -inner;
+    // From the innermost key outwards.
+    let outwards: Vec<Action> = left.into_iter().rev().collect();
     let last = boards.len() - 1;
-    for action in right {
-        let width = width(&action);
-        boards[last].keys.push(Placed {
-            at: [right_edge + width / 2.0, y],
-            action,
-            width,
-        });
-        right_edge += width + GAP;
+    for (board, direction, keys) in [(0, -1.0, outwards), (last, 1.0, right)] {
+        let mut edge = -direction * inner;
+        for action in keys {
+            let width = width(&action);
+            boards[board].keys.push(Placed {
+                at: [edge + direction * width / 2.0, y],
+                action,
+                width,
+            });
+            edge += direction * (width + GAP);
+        }
     }
 }
 

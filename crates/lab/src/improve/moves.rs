@@ -82,6 +82,13 @@ pub struct State {
     order: Vec<usize>,
 }
 
+impl State {
+    /// Takes over the lengths of the next steps.
+    pub(super) fn keep_steps(&mut self, from: &Self) {
+        self.steps.clone_from(&from.steps);
+    }
+}
+
 /// A part of a state that is changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Step {
@@ -233,11 +240,6 @@ impl Moves {
         *own = direction * length.max(smallest);
     }
 
-    /// Takes over the lengths of the next steps.
-    pub(super) fn keep_steps(&self, state: &mut State, from: &State) {
-        state.steps.clone_from(&from.steps);
-    }
-
     /// Returns the text of a state. Everything that does not change keeps its spelling and its comments.
     pub fn text(&self, state: &State) -> Result<String, EditError> {
         let mut patch = Patch::default();
@@ -337,16 +339,18 @@ struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    fn is_kept(&self, part: Part) -> bool {
+    fn kept_parts(&self) -> impl Iterator<Item = &Part> {
         let kept = self.kept.iter();
-        let mut kept = kept.filter_map(|target| self.parts.get(target.0 as usize));
+        kept.filter_map(move |target| self.parts.get(target.0 as usize))
+    }
+
+    fn is_kept(&self, part: Part) -> bool {
+        let mut kept = self.kept_parts();
         kept.any(|own| *own == part || own.parent() == Some(part))
     }
 
     fn has_kept(&self, board: usize) -> bool {
-        let kept = self.kept.iter();
-        let mut kept = kept.filter_map(|target| self.parts.get(target.0 as usize));
-        kept.any(|own| own.board() == Some(board))
+        self.kept_parts().any(|own| own.board() == Some(board))
     }
 
     fn is_touched(&self, board: usize) -> bool {

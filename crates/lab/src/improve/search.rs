@@ -258,7 +258,7 @@ impl Search<'_> {
                     text,
                     scores,
                 };
-                self.moves.keep_steps(&mut current.state, &learned);
+                current.state.keep_steps(&learned);
                 if is_better {
                     best = current.clone();
                 }

@@ -155,19 +155,19 @@ mod tests {
     use super::*;
     use crate::people::{People, population};
 
-    fn reader(corrects: f64) -> Proofreader {
+    fn reader(presented: &str, corrects: f64) -> Proofreader {
         let person = Participant {
             corrects,
             notice_ms: 300.0,
             ..population(&People::Drawn(1), None, 1).remove(0)
         };
-        Proofreader::new("abc", &person, true)
+        Proofreader::new(presented, &person, true)
     }
 
     #[test]
     fn an_error_is_corrected_when_it_was_noticed_and_the_hand_is_still() {
         let mut draw = Draw::new(1, 1);
-        let mut careful = reader(1.0);
+        let mut careful = reader("abc", 1.0);
         let mut decide = |reader: &mut Proofreader, typed, now, end| {
             reader.decide(typed, (now, end), 1, &mut draw)
         };
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn a_person_looks_again_only_when_the_last_backspace_is_pressed() {
         let mut draw = Draw::new(1, 1);
-        let mut careful = reader(1.0);
+        let mut careful = reader("abc", 1.0);
         let mut decide = |reader: &mut Proofreader, typed, now, end| {
             reader.decide(typed, (now, end), 1, &mut draw)
         };
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_that_stays_shifts_nothing_behind_it() {
+    fn an_error_that_stays_shifts_nothing_after_it() {
         for (typed, done, later) in [
             ("axcd", 4, "axcde"),
             // D is typed before its stroke is at its lowest point, or after it.
@@ -227,12 +227,7 @@ mod tests {
             ("acd", 3, "acde"),
             ("axbc", 2, "axbcd"),
         ] {
-            let person = Participant {
-                corrects: 1e-9,
-                notice_ms: 300.0,
-                ..population(&People::Drawn(1), None, 1).remove(0)
-            };
-            let mut careless = Proofreader::new("abcdef", &person, true);
+            let mut careless = reader("abcdef", 1e-9);
             let mut draw = Draw::new(1, 1);
             for now in [1.0, 1.4] {
                 let decision = careless.decide(typed, (now, now), done, &mut draw);
@@ -245,7 +240,7 @@ mod tests {
     #[test]
     fn a_person_who_never_corrects_types_on() {
         let mut draw = Draw::new(1, 1);
-        let mut careless = reader(0.0);
+        let mut careless = reader("abc", 0.0);
         for now in [1.0, 2.0, 9.0] {
             let decision = careless.decide("xxx", (now, 0.0), 3, &mut draw);
             assert_eq!(decision, Decision::Type);

@@ -261,11 +261,8 @@ impl Station {
             (own, sensor)
         });
         let hands: Vec<_> = hands.collect();
-        let actions: Vec<_> = parsed.actions().to_vec();
-        let actions: Vec<_> = actions
-            .into_iter()
-            .map(|action| action.placed(&self.layout.fit))
-            .collect();
+        let actions = parsed.actions().iter().cloned();
+        let actions: Vec<_> = actions.map(|it| it.placed(&self.layout.fit)).collect();
         match SimulatedTypist::with_hands(&settings, &actions, &self.layout.scene, &hands) {
             Ok(typist) => Play::Played(self.watch(typist)),
             Err(TypistError::Action(error)) if error.kind.is_out_of_reach() => Play::OutOfReach,
