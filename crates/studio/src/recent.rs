@@ -39,7 +39,7 @@ impl RecentFiles {
         self.0.iter().map(String::as_str)
     }
 
-    /// Adds the files that have been added to another list since both were the list `before`: behind those that have been added to this
+    /// Adds the files that have been added to another list since both were the list `before`: after those that have been added to this
     /// one, so that a full list drops its oldest files.
     pub fn merge(&mut self, other: &Self, before: &Self) {
         let is_new = |file: &String| !before.0.contains(file);

@@ -135,7 +135,7 @@ impl<'m> Bench<'m> {
         }
     }
 
-    /// Prints the errors of people who pause behind each phrase, so that nothing before it is pending, and of those who do not.
+    /// Prints the errors of people who pause after each phrase, so that nothing before it is pending, and of those who do not.
     fn pauses(&self) {
         println!("| tier | without pauses | with a pause behind each phrase |");
         println!("|---|---|---|");

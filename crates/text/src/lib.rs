@@ -45,7 +45,7 @@
 //! - Errors are omitted, added and exchanged letters and spaces, each with a cost of its own: [`Options`]. How often this person misses a
 //!   tap, exchanges two or makes one that means nothing is learned from committed text, as is how many of the last words were unknown.
 //!   A tap that means nothing lands near the one before (80 %, normal, 0.9 keys), or anywhere.
-//! - A mark behind a word has a probability that depends on the length of the sentence before it.
+//! - A mark after a word has a probability that depends on the length of the sentence before it.
 //!
 //! The search is Viterbi's over the trie of words with a beam, as in VelociTap (Vertanen et al. 2015). Inside a word, a hypothesis
 //! is judged by the likeliest word that it can become.

@@ -245,7 +245,7 @@ fn a_sentence_behind_a_committed_one_is_corrected() {
     assert_eq!(field.corrector.decoder().taps(), 0, "it is committed");
     field.types(" teh dog ");
     assert_eq!(field.text, format!("{sentence} the dog "));
-    // Behind a pause, too.
+    // After a pause, too.
     field.types("the fox.");
     field.corrector.reset();
     field.types(" qiuck dog ");

@@ -1,4 +1,4 @@
-//! Backspaces and candidates behind long texts.
+//! Backspaces and candidates after long texts.
 
 mod support;
 

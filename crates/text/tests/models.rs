@@ -7,7 +7,7 @@ use ademan_text::{Model, ModelError};
 const LIST: &str = "cat\t5\ncar\t3\nAnna\t1\nNASA\t1\ndon't\t2\nat\nNiño\t1";
 const TEXT: &str = "The cat saw Anna.\nThe cat saw the car, and NASA.\nThe cat sat.";
 
-/// A model of another program: `car` is likely behind `the`, and behind `saw the` certain.
+/// A model of another program: `car` is likely after `the`, and after `saw the` certain.
 const ARPA: &str = "\\data\\\nngram 1=6\nngram 2=3\nngram 3=1\n
 \\1-grams:\n-1.0\tcat\t-0.3\n-1.0\tcar\n-0.5\tThe\t-0.2\n-0.7 saw -0.1\n-99 <s> -0.4\n-1 truck\n
 \\2-grams:\n-0.1\tThe car\t-0.2\n-0.3\tsaw The -0.1\n-0.2 <s> car\n
@@ -47,15 +47,15 @@ fn last(model: &Model, words: &[&str]) -> f32 {
 fn another_model_has_its_share_behind_the_words_that_it_knows() {
     let [plain, mixed] = [built(), built_with(ARPA)];
     let [plain, mixed] = [&plain, &mixed].map(|bytes| Model::from_bytes(bytes).expect("a model"));
-    // Behind `the`: a half of 0.79 and a half of what the sentences say, which is 0.1 to 0.15.
+    // After `the`: a half of 0.79 and a half of what the sentences say, which is 0.1 to 0.15.
     let counted = last(&plain, &["the", "car"]).exp();
     let expected = 0.5 * counted + 0.5 * 10_f32.powf(-0.1);
     let found = last(&mixed, &["the", "car"]).exp();
     assert!((found / expected - 1.0).abs() < 0.1, "{found} {expected}");
-    // Behind `saw the`, which the sentences have once with `car`.
+    // After `saw the`, which the sentences have once with `car`.
     assert!(last(&mixed, &["saw", "the", "car"]) > last(&mixed, &["the", "car"]) + 0.1);
     assert!(last(&mixed, &["", "car"]) > last(&plain, &["", "car"]));
-    // It adds no words, and does not change what stands behind words that it lacks.
+    // It adds no words, and does not change what follows words that it lacks.
     assert_eq!(mixed.find("truck"), None);
     assert_eq!(
         last(&mixed, &["anna", "cat"]),
@@ -192,7 +192,7 @@ fn words_pairs_and_spelling_are_found_again() {
     for absent in ["ca", "cats", "", "x"] {
         assert_eq!(model.find(absent), None, "{absent}");
     }
-    // `the` was seen six times with what the sentences say, `cat` three times behind it.
+    // `the` was seen six times with what the sentences say, `cat` three times after it.
     let [the, cat, car] = ["the", "cat", "car"].map(|word| model.find(word).expect("a word"));
     let after = |word: ademan_text::model::Found| {
         model

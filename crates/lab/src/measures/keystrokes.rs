@@ -12,7 +12,7 @@ pub struct KeystrokeClasses {
     pub correct: u64,
     /// INF, incorrect and not fixed: MSD.
     pub not_fixed: u64,
-    /// IF, incorrect and fixed: characters that were deleted again. Right ones behind an error are among them.
+    /// IF, incorrect and fixed: characters that were deleted again. Right ones after an error are among them.
     pub fixed: u64,
     /// F, fixes: presses of Backspace.
     pub fixes: u64,

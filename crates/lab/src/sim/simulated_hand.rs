@@ -174,7 +174,7 @@ impl SimulatedHand {
         }
     }
 
-    /// Returns `true` if the first `actions` actions are done, also if the hand moves on.
+    /// Returns `true` if the first `actions` actions are done, even if the hand moves on.
     pub(super) fn has_done(&self, actions: usize) -> bool {
         let last = actions.checked_sub(1);
         let end = last.and_then(|last| self.action_ends.get(last));

@@ -40,7 +40,7 @@ impl History {
         self.done = self.steps.len();
     }
 
-    /// Returns the last edit, also if it has changed nothing.
+    /// Returns the last edit, even if it has changed nothing.
     pub fn last(&self) -> Option<&Step> {
         match &self.unchanged {
             Some(step) => Some(step),

@@ -378,8 +378,8 @@ fn show_title(ui: &egui::Ui, state: &mut PanelState) {
     }
 }
 
-/// Opens a layout in the editor at the first time, again and again until its file can be read, and prepares the editor while it is
-/// shown. The layout is the layout of the session, or a file that is dropped while there is none.
+/// Opens a layout in the editor once, or tries again while its file cannot be read, and prepares the editor while it is shown.
+/// The layout is the layout of the session, or a file that is dropped while there is none.
 fn open_layout(
     ui: &mut egui::Ui,
     state: &mut PanelState,

@@ -187,7 +187,7 @@ fn name_inside(below: &Path, buffer: &str) -> Option<String> {
     Some(below.join(buffer).to_string_lossy().into_owned())
 }
 
-/// Reads a file in a folder or below it, also behind links, if no other user may change it.
+/// Reads a file in a folder or below it, also through links, if no other user may change it.
 fn read_inside(folder: &Path, file: &str) -> Result<Vec<u8>, ShapeError> {
     let not_found = |error: io::Error| match error.kind() {
         io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => ShapeError::NotFound,

@@ -131,7 +131,7 @@ fn power(logarithm: f32) -> f64 {
 /// The probabilities of a model for the words of a lexicon, given by their nodes; the root is the start of a sentence.
 #[derive(Debug, Default)]
 pub struct Other {
-    /// The probability of each word, and the weight of words alone behind it.
+    /// The probability of each word, and the weight of words alone after it.
     alone: BTreeMap<u32, (f64, f64)>,
     pairs: BTreeMap<(u32, u32), (f64, f64)>,
     threes: BTreeMap<(u32, u32, u32), f64>,
@@ -187,7 +187,7 @@ impl Other {
         self.alone.get(&word).map_or(0.0, |alone| alone.0)
     }
 
-    /// Returns the probability of a word behind another one.
+    /// Returns the probability of a word after another one.
     pub fn pair(&self, before: u32, word: u32) -> f64 {
         match self.pairs.get(&(before, word)) {
             Some(pair) => pair.0,
@@ -195,7 +195,7 @@ impl Other {
         }
     }
 
-    /// Returns the probability of a word behind two others.
+    /// Returns the probability of a word after two others.
     pub fn three(&self, earlier: u32, before: u32, word: u32) -> f64 {
         match self.threes.get(&(earlier, before, word)) {
             Some(&three) => three,

@@ -1,4 +1,4 @@
-//! The probabilities of words behind others: from counts, mixed with another model.
+//! The probabilities of words after others: from counts, mixed with another model.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::model::lexicon::ROOT;
 const DISCOUNT: f64 = 0.75;
 /// The fewest occurrences of three words: once says little, and is most of them.
 const MIN_THREES: u32 = 2;
-/// The share of the other model behind words that the texts have: between 0.4, best for sentences of the same collection that no
+/// The share of the other model after words that the texts have: between 0.4, best for sentences of the same collection that no
 /// model has seen, and more, better for other texts.
 const SHARE: f64 = 0.5;
 /// The share where the texts say nothing.
@@ -27,7 +27,7 @@ const LEAST: f64 = 8e-12;
 /// The least probability of all words that a row lacks.
 const LEAST_WEIGHT: f64 = 1e-6;
 
-/// A word behind others.
+/// A word after others.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
     /// The node.
@@ -36,7 +36,7 @@ pub struct Entry {
     pub probability: f64,
     /// The probability if it is not stored, before the weight of the row.
     pub shorter: f64,
-    /// The share of words of a text that it is, behind the words of the row.
+    /// The share of words of a text that it is, after the words of the row.
     frequency: f64,
 }
 
@@ -59,7 +59,7 @@ impl Entry {
     }
 }
 
-/// The words behind one word or two.
+/// The words after one word or two.
 #[derive(Debug, Default)]
 pub struct Row {
     /// The words, sorted.
@@ -153,18 +153,18 @@ impl Tally {
 /// Probabilities of pairs and threes before any is left out.
 #[derive(Debug)]
 pub struct Mixture {
-    /// The words behind a word.
+    /// The words after a word.
     pub pairs: BTreeMap<u32, Row>,
-    /// The words behind two words.
+    /// The words after two words.
     pub threes: BTreeMap<(u32, u32), Context>,
 }
 
-/// Two words and the words behind them.
+/// Two words and the words after them.
 #[derive(Debug)]
 pub struct Context {
-    /// The second word behind the first.
+    /// The second word after the first.
     pub pair: Entry,
-    /// The words behind both.
+    /// The words after both.
     pub row: Row,
 }
 
@@ -227,7 +227,7 @@ impl Sources<'_> {
         self.alone.get(&before).copied().unwrap_or(MARK)
     }
 
-    /// Returns the share of the other model behind some words.
+    /// Returns the share of the other model after some words.
     fn share(&self, before: &[u32], tally: &Tally) -> f64 {
         let has_all = before.iter().all(|&word| self.other.has(word));
         match (has_all, tally.total) {

@@ -4,12 +4,12 @@
 //! function beyond arithmetic is [`ln`].
 //!
 //! - A word has half its probability of its count in the texts plus its weight in the lists, and half of the number of different words
-//!   before it plus that weight (Kneser and Ney 1995), so that `francisco` is unlikely behind other words than `san`.
+//!   before it plus that weight (Kneser and Ney 1995), so that `francisco` is unlikely after other words than `san`.
 //! - A pair of words has its count less a discount of 0.75, divided by the count of the first word; what
 //!   remains of that word goes to all words in proportion to their own probabilities (absolute discounting). Three words in a row
 //!   that occur at least twice do alike with what follows the second one. The start of a sentence and a comma count as first words.
-//! - Another model in the ARPA format gets a share of each of these probabilities: a tenth of a word alone, a half behind words that
-//!   the texts have, and 0.8 behind others.
+//! - Another model in the ARPA format gets a share of each of these probabilities: a tenth of a word alone, a half after words that
+//!   the texts have, and 0.8 after others.
 //! - Pairs and threes that do not fit into 4 MB are left out, those first that save least in a text (Stolcke 1998).
 //! - Spelling: the letters of all words, each word weighted by the root of its probability, up to four letters before the next one,
 //!   interpolated after Witten and Bell.
@@ -86,7 +86,7 @@ impl Builder {
         Self::default()
     }
 
-    /// Adds the words of a list: one each line, with a weight behind a tab or a space if it is not 1. A weight is the number of times that
+    /// Adds the words of a list: one per line, with a weight after a tab or a space if it is not 1. A weight is the number of times that
     /// the word is expected in a text as long as the given ones. Leaves out lines whose first part is no word, such as `e-mail`, and
     /// returns the numbers of words that were added and left out.
     ///

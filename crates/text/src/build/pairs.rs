@@ -9,7 +9,7 @@ use crate::model::bigrams::{CONTEXT_BYTES, NO_ROW, ROW_BYTES};
 
 /// The bytes of an entry.
 const ENTRY_BYTES: usize = 4;
-/// The node behind the last one.
+/// The node after the last one.
 const LAST: u32 = 0xff_ffff;
 /// The gains between which the least one is searched, in nats for each word of a text, and the steps of the search.
 const LOWEST_GAIN: f64 = 1e-12;

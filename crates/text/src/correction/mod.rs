@@ -9,9 +9,9 @@
 //! | typing | character that ends a word, or a tap that most probably means one beside its key, and another text is likelier by the margin | corrected | the character, Backspaces, the new tail |
 //! | corrected | Backspace | restored | Backspaces, the tail that was typed; its words are learned |
 //! | a candidate was taken inside a word | Backspace | partial | Backspaces, the tail that was typed |
-//! | other | Backspace | typing, or partial inside a word that was corrected or is behind a long text that is not final | Backspace |
+//! | other | Backspace | typing, or partial inside a word that was corrected or is after a long text that is not final | Backspace |
 //! | typing | a swipe that began with the last letter | swiped | Backspace if its word starts otherwise, the word, a space |
-//! | swiped | Backspace | typing, or partial behind a word without a space | Backspaces for the word and its space |
+//! | swiped | Backspace | typing, or partial after a word without a space | Backspaces for the word and its space |
 //! | any | pause, loss, stall, another key | partial, if inside a word | none; the person is learned, and nothing is pending any more |
 //! | partial | character that ends a word | typing | the character |
 //!
@@ -230,7 +230,7 @@ impl<'m> Corrector<'m> {
         self.decoder.start_line();
     }
 
-    /// Leaves the text as it is, learns the person from it, and starts at the beginning of a word behind text that is not known.
+    /// Leaves the text as it is, learns the person from it, and starts at the beginning of a word after text that is not known.
     pub fn start_word(&mut self) {
         let starts_sentence = self.decoder.starts_sentence();
         if self.learn() {
@@ -297,7 +297,7 @@ impl<'m> Corrector<'m> {
             // The rest of a word is no word that the lexicon lacks.
             let is_word = self.decoder.model().find(&self.shown[..end]).is_some();
             let start = if is_word { 0 } else { end };
-            self.decoder.commit_behind(Some(&self.shown[start..]));
+            self.decoder.commit_text(Some(&self.shown[start..]));
             return self.shown.clear();
         }
         let is_clear = self.mode != Mode::Auto || self.correct();
@@ -340,11 +340,11 @@ impl<'m> Corrector<'m> {
         true
     }
 
-    /// Replaces the tail behind a prefix, unless it is too long.
+    /// Replaces the tail after a prefix, unless it is too long.
     fn replace_tail(&mut self, prefix: usize, removed: usize) {
         let (old, new) = (&self.shown[prefix..], &self.target[prefix..]);
         if removed + new.chars().count() > MAX_EDITS {
-            // Out of reach: what follows starts afresh, so that it can be corrected.
+            // Out of reach: what follows starts again, so that it can be corrected.
             self.decoder.commit();
             self.shown.clear();
             return;
@@ -382,14 +382,14 @@ impl<'m> Corrector<'m> {
             // The rest of a word is not a word, and its beginning is not a word to be learned.
             self.is_partial = self.undo.is_inside;
             if let Some(swiped) = self.swiped.take() {
-                self.decoder.start_behind(swiped.before);
+                self.decoder.start_after(swiped.before);
             } else {
                 if !self.is_partial {
                     let decoder = &mut self.decoder;
                     self.restored.learn(|word| decoder.add_own_word(word));
                 }
                 let text = (!self.is_partial).then_some(self.target.as_str());
-                self.decoder.commit_behind(text);
+                self.decoder.commit_text(text);
             }
             return &self.edits;
         }
@@ -432,7 +432,7 @@ impl<'m> Corrector<'m> {
         }
     }
 
-    /// Types punctuation in place of the space that a word has brought, and that space behind it.
+    /// Types punctuation in place of the space that a word has brought, and that space after it.
     pub fn punctuate(&mut self, mark: char) -> &[Edit] {
         self.undo.is_possible = false;
         self.swiped = None;
@@ -444,7 +444,7 @@ impl<'m> Corrector<'m> {
         &self.edits
     }
 
-    /// Takes a candidate in place of what is shown, with a space behind it unless it ends a word already. One Backspace takes it
+    /// Takes a candidate in place of what is shown, with a space after it unless it ends a word already. One Backspace takes it
     /// back. Its words are the context of what follows.
     pub fn accept(&mut self, candidate: usize) -> &[Edit] {
         self.edits.clear();
@@ -475,7 +475,7 @@ impl<'m> Corrector<'m> {
             // Out of reach: what was typed stays.
             self.is_partial = is_inside && self.shown.is_empty();
         }
-        self.decoder.commit_behind(Some(&self.shown));
+        self.decoder.commit_text(Some(&self.shown));
         self.shown.clear();
         &self.edits
     }

@@ -29,11 +29,11 @@ impl Corrector<'_> {
         let has_space = self.shown.ends_with(|last| !ends_word(last));
         let is_inside = has_space || self.is_partial;
         if self.shown.trim_end().is_empty() {
-            // A space behind a text that is final says nothing more about it.
-            self.decoder.start_behind(self.decoder.before());
+            // A space after a text that is final says nothing more about it.
+            self.decoder.start_after(self.decoder.before());
         } else {
             // The text before is final.
-            self.decoder.commit_behind(Some(&self.shown));
+            self.decoder.commit_text(Some(&self.shown));
         }
         let before = self.decoder.before();
         if self.decoder.swipe(path, letter.is_uppercase()).is_empty() {
@@ -72,7 +72,7 @@ impl Corrector<'_> {
         self.undo.typed.clear();
         self.undo.is_inside = swiped.is_inside;
         std::mem::swap(&mut self.shown, &mut self.target);
-        self.decoder.commit_behind(Some(&self.shown));
+        self.decoder.commit_text(Some(&self.shown));
         self.swiped = Some(swiped);
     }
 }

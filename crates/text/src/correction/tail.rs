@@ -10,7 +10,7 @@ pub fn ends_word(character: char) -> bool {
 pub struct Difference {
     /// The bytes that both texts start with.
     pub prefix: usize,
-    /// The characters of the first text behind them.
+    /// The characters of the first text after them.
     pub removed: usize,
 }
 

@@ -285,7 +285,7 @@ impl Expansion<'_, '_> {
             next.token.score +=
                 touch + punctuation(self.options, near.character, next.token.sentence);
             next.token.place = Place::Gap;
-            next.token.row = self.model.row_behind(near.character);
+            next.token.row = self.model.row_after(near.character);
             next.token.hands = self.hands(touch, near.key, &ended.token.hands);
             next.emission = next.emission.with(near.character, From::This, case);
             self.push(next);

@@ -42,7 +42,7 @@ impl WordRates {
 }
 
 impl Decoder<'_> {
-    /// Takes the most probable text as meant: learns from its taps, and starts afresh behind it.
+    /// Accepts the most probable text: learns from its taps, and starts again after it.
     pub fn commit(&mut self) {
         self.finish();
         let Some(best) = self.finished.first().copied() else {
@@ -62,7 +62,7 @@ impl Decoder<'_> {
             (Place::Word(ROOT), _) => {
                 let starts = match self.model.row(ROOT) {
                     // A model without pairs of words does not know what starts a sentence.
-                    NO_ROW => self.is_behind_sentence(best.end),
+                    NO_ROW => self.is_after_sentence(best.end),
                     row => token.row == row,
                 };
                 self.starts_sentence = self.starts_sentence && last.is_none() || starts;
@@ -75,13 +75,13 @@ impl Decoder<'_> {
         };
         self.restart(match token.place {
             Place::Word(ROOT) => Start::Word,
-            Place::Gap => Start::Behind,
+            Place::Gap => Start::AfterMark,
             _ => Start::Anywhere,
         });
     }
 
     /// Returns `true` if the characters up to an end finish a sentence, whatever stands between it and the next word.
-    fn is_behind_sentence(&self, end: u32) -> bool {
+    fn is_after_sentence(&self, end: u32) -> bool {
         let entries = std::iter::successors(self.history.get(end), |entry| {
             self.history.get(entry.previous)
         });
@@ -92,20 +92,20 @@ impl Decoder<'_> {
         last.is_some_and(ends_sentence)
     }
 
-    /// Takes what was typed as meant, and starts afresh behind it.
+    /// Accepts what was typed, and starts again after it.
     pub fn commit_typed(&mut self) {
-        self.commit_behind(None);
+        self.commit_text(None);
     }
 
-    /// Goes on behind punctuation and a space, which follow the text of the last commit.
+    /// Goes on after punctuation and a space, which follow the text of the last commit.
     pub(crate) fn commit_mark(&mut self, mark: char) {
         let mut encoded = [0; 4];
-        self.commit_behind(Some(mark.encode_utf8(&mut encoded)));
+        self.commit_text(Some(mark.encode_utf8(&mut encoded)));
         self.restart(Start::Word);
     }
 
-    /// Takes a text as meant, or what was typed, without learning from the taps, and starts afresh behind it.
-    pub fn commit_behind(&mut self, text: Option<&str>) {
+    /// Accepts a text, or what was typed, without learning from the taps, and starts again after it.
+    pub fn commit_text(&mut self, text: Option<&str>) {
         self.touch.hands = self
             .tokens
             .first()
@@ -114,7 +114,7 @@ impl Decoder<'_> {
         learn_words(&mut self.words, &self.model, text);
         let start = match text.chars().next_back() {
             Some(' ') => Start::Word,
-            Some(mark) if is_punctuation(mark) => Start::Behind,
+            Some(mark) if is_punctuation(mark) => Start::AfterMark,
             _ => Start::Anywhere,
         };
         let last = text.trim_end();
@@ -125,7 +125,7 @@ impl Decoder<'_> {
             self.sentence.saturating_add(self.taps.len() as u16)
         };
         self.row = match last.chars().next_back() {
-            Some(mark) if is_punctuation(mark) => self.model.row_behind(mark),
+            Some(mark) if is_punctuation(mark) => self.model.row_after(mark),
             _ => {
                 let word = last.rsplit(' ').next();
                 let found = word.and_then(|word| self.model.find(word));

@@ -11,7 +11,7 @@ use crate::model::spelling::START;
 use crate::model::{Model, ends_sentence};
 use crate::touch::Hands;
 
-/// The part of the margin that is left behind a correction.
+/// The part of the margin that is left after a correction.
 const CORRECTED_TRUST: f32 = 0.4;
 
 /// The current word as the typed characters spell it.
@@ -70,7 +70,7 @@ impl Literal {
         self.sentence = sentence;
     }
 
-    /// Goes on behind another text, between words, with its log-probability, the word before and the taps of its sentence.
+    /// Goes on after another text, between words, with its log-probability, the word before and the taps of its sentence.
     pub fn follow(&mut self, text: &str, score: f32, (row, sentence): (Row, u16)) {
         self.clear(row, sentence);
         self.text.push_str(text);
@@ -134,7 +134,7 @@ impl Literal {
                 sign if joins_words(sign) => NO_ROW,
                 _ if self.is_empty => self.row,
                 ' ' => node.map_or(NO_ROW, |node| model.next_row(self.row, node)),
-                mark => model.row_behind(mark),
+                mark => model.row_after(mark),
             };
             self.score += match character {
                 ' ' => 0.0,

@@ -25,7 +25,7 @@ const LONG: usize = 56;
 /// sentences have that the English model is made of (−1.7 to 3.8), a quarter of what the guides of this program have (−3.3 to −0.3).
 const PERIODS: [f32; LONG / 8 + 1] = [-1.6, -1.8, -0.4, 0.3, 0.8, 1.4, 2.0, 2.7];
 
-/// Returns the log-probability of punctuation behind a word after a number of taps of its sentence: the probability of a comma,
+/// Returns the log-probability of punctuation after a word, by the number of taps of its sentence: the probability of a comma,
 /// [`Options::punctuation`], plus the log-odds of the character against a comma.
 pub fn punctuation(options: &Options, character: char, taps: u16) -> f32 {
     let end = PERIODS[usize::from(taps).min(LONG) / 8];

@@ -68,7 +68,7 @@ const GAIN: f32 = 8.0;
 const TRANSPOSED: usize = 40;
 
 /// The log-probability that unknown text ends with punctuation that has no space after it.
-const BEHIND_UNKNOWN: f32 = -3.0;
+const AFTER_UNKNOWN: f32 = -3.0;
 /// The number of taps that a sentence is assumed to have if typing starts in its unknown middle: a period is then as likely as a
 /// comma.
 const MIDDLE: u16 = 20;
@@ -79,7 +79,7 @@ enum Start {
     /// The start of a word.
     Word,
     /// After punctuation, before its space.
-    Behind,
+    AfterMark,
     /// Either of them.
     Anywhere,
 }
@@ -292,13 +292,13 @@ impl<'m> Decoder<'m> {
             sentence: self.sentence,
             hands: self.touch.hands,
         };
-        if self.start != Start::Behind {
+        if self.start != Start::AfterMark {
             self.tokens.push(token);
         }
         if self.start != Start::Word {
             self.tokens.push(Token {
                 score: match self.start {
-                    Start::Anywhere => BEHIND_UNKNOWN,
+                    Start::Anywhere => AFTER_UNKNOWN,
                     _ => 0.0,
                 },
                 place: Place::Gap,

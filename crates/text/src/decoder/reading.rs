@@ -90,9 +90,9 @@ impl Decoder<'_> {
         };
         // A lone space says nothing about a letter.
         let before = self.history.get(meant.previous);
-        let is_behind_word = before.is_some_and(|before| !ends_word(before.character));
+        let is_after_word = before.is_some_and(|before| !ends_word(before.character));
         let is_last = meant.tap as usize + 1 == self.taps.len();
-        if !is_last || !ends_word(meant.character) || !is_behind_word {
+        if !is_last || !ends_word(meant.character) || !is_after_word {
             return false;
         }
         let keys = (self.keyboard.index(meant.character), self.typed_key(last));
@@ -106,7 +106,7 @@ impl Decoder<'_> {
         likelihood(meant_key) > likelihood(typed_key)
     }
 
-    /// Takes the text of a hypothesis, to which the field was corrected, for what was typed: the words behind it are compared with
+    /// Takes the text of a hypothesis, to which the field was corrected, for what was typed: the words after it are compared with
     /// it.
     pub(crate) fn follow(&mut self, shown: &str) {
         self.follow_known(shown);
@@ -130,11 +130,11 @@ impl Decoder<'_> {
     /// Returns the text of a complete hypothesis.
     pub(super) fn render(&mut self, finished: &Finished) -> &str {
         let capital = self.options.capitals && self.starts_sentence;
-        let is_behind_mark = self.start == Start::Behind;
-        let start = match (capital, is_behind_mark) {
+        let is_after_mark = self.start == Start::AfterMark;
+        let start = match (capital, is_after_mark) {
             (false, _) => SentenceStart::None,
             (true, false) => SentenceStart::Here,
-            (true, true) => SentenceStart::BehindSpace,
+            (true, true) => SentenceStart::AfterSpace,
         };
         self.rendered
             .text(&self.history, finished, &self.taps, start)

@@ -16,8 +16,8 @@ pub enum SentenceStart {
     None,
     /// The first character.
     Here,
-    /// Behind a space, as the text before ends with a mark: an address has none there.
-    BehindSpace,
+    /// After a space, as the text before ends with a mark: an address has none there.
+    AfterSpace,
 }
 
 /// The text of a hypothesis, in memory that is used again.
@@ -56,7 +56,7 @@ impl Rendered {
         self.entries.reverse();
         let mut start = 0;
         let mut capital = sentence == SentenceStart::Here;
-        let mut is_behind_mark = sentence == SentenceStart::BehindSpace;
+        let mut is_after_mark = sentence == SentenceStart::AfterSpace;
         for index in 0..self.entries.len() {
             let entry = self.entries[index];
             if entry.character.is_alphanumeric() || entry.character == '\'' {
@@ -65,12 +65,12 @@ impl Rendered {
             self.word(start, index, entry.case, taps, capital);
             if index > start {
                 capital = false;
-                is_behind_mark = false;
+                is_after_mark = false;
             }
             match entry.character {
-                ' ' => capital |= std::mem::take(&mut is_behind_mark),
+                ' ' => capital |= std::mem::take(&mut is_after_mark),
                 '"' | ')' => {}
-                mark => is_behind_mark = ends_sentence(mark),
+                mark => is_after_mark = ends_sentence(mark),
             }
             self.text.push(entry.character);
             start = index + 1;

@@ -21,7 +21,7 @@ impl<'m> Decoder<'m> {
         self
     }
 
-    /// Returns the words that a path over the keys of letters most probably means behind the last commit, the best first. None without
+    /// Returns the words that a path over the keys of letters most probably means after the last commit, the best first. None without
     /// [`with_swipes`](Self::with_swipes), or if no word is near the path. With `capital`, or at the start of a sentence, they start with
     /// a capital. Does not allocate.
     pub fn swipe(&mut self, path: &[Millimetres], capital: bool) -> &[Candidate] {
@@ -89,8 +89,8 @@ impl<'m> Decoder<'m> {
         self.starts_sentence
     }
 
-    /// Drops all taps, without learning, and goes on behind a known text.
-    pub(crate) fn start_behind(&mut self, before: Before) {
+    /// Drops all taps, without learning, and goes on after a known text.
+    pub(crate) fn start_after(&mut self, before: Before) {
         self.row = before.row;
         self.starts_sentence = before.starts_sentence;
         self.restart(Start::Anywhere);

@@ -9,7 +9,7 @@ use crate::touch::Hands;
 pub enum Place {
     /// A node of the lexicon; the root between words.
     Word(u32),
-    /// Behind punctuation, before its space.
+    /// After punctuation, before its space.
     Gap,
     /// A state of the spelling, in a word that the lexicon may not have, as it was typed until now.
     Typed(u16),

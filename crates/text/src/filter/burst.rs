@@ -56,7 +56,7 @@ pub(super) fn append(
     true
 }
 
-/// Returns `true` if events begin with the Backspace of a multitap key, which has its release and a letter right behind it. It deletes
+/// Returns `true` if events begin with the Backspace of a multitap key, which has its release and a letter right after it. It deletes
 /// that letter and undoes no correction.
 pub(super) fn replaces_letter(events: &[OutputEvent]) -> bool {
     let [press, release, letter, ..] = events else {

@@ -10,7 +10,7 @@ pub(super) fn takes_space(mark: char) -> bool {
     matches!(mark, '.' | ',' | ';' | ':' | '!' | '?')
 }
 
-/// Returns `true` if the cursor is inside a word behind events of the mode `literal`, as far as is known; `is_inside` if it was before
+/// Returns `true` if the cursor is inside a word after events of the mode `literal`, as far as is known; `is_inside` if it was before
 /// them, with the keys `held`.
 pub(super) fn ends_inside_word(
     mut is_inside: bool,

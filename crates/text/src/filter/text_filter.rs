@@ -141,7 +141,7 @@ impl TextFilter {
     }
 
     /// Forgets the text if the stroke has ended that was going on when the other hand was lost.
-    fn forget_behind_stroke(&mut self) {
+    fn forget_after_stroke(&mut self) {
         let Some(start) = self.known_until else {
             return;
         };
@@ -191,7 +191,7 @@ impl TextFilter {
 
     /// Handles the press of a character by an event, and appends it.
     fn type_character(&mut self, character: char, event: OutputEvent, step: &mut Step) {
-        self.leave_behind_repeats(event.time);
+        self.leave_after_repeats(event.time);
         let stroke = self.stroke.as_mut();
         if !stroke.is_some_and(|stroke| stroke.note_typed(character)) {
             self.stroke = None;
@@ -232,7 +232,7 @@ impl TextFilter {
     /// Replaces the typed word by a candidate that was chosen.
     fn accept(&mut self, number: Option<u8>, time: Timestamp, step: &mut Step) {
         let Some(number) = number else { return };
-        self.leave_behind_repeats(time);
+        self.leave_after_repeats(time);
         self.is_changed = true;
         self.last_key = time;
         let index = usize::from(number).saturating_sub(1);
@@ -269,7 +269,7 @@ impl TextFilter {
         }
     }
 
-    /// Appends the Backspace of a multitap key, which deletes its last letter and has another letter behind it.
+    /// Appends the Backspace of a multitap key, which deletes its last letter and has another letter after it.
     fn replace_letter(&mut self, letter: EventKind, event: OutputEvent, step: &mut Step) {
         self.leave();
         if self.is_spaced && !self.has_mark {
@@ -279,7 +279,7 @@ impl TextFilter {
         let is_mark = |key: KeyCode| key.us_character(step.is_shifted()).is_some_and(takes_space);
         let follows_mark = matches!(letter, EventKind::KeyDown(key) if is_mark(key));
         if self.is_spaced && !follows_mark {
-            // The letter is a mark with a space behind it.
+            // The letter is a mark with a space after it.
             self.is_spaced = false;
             step.append(&[Edit::Backspace], &self.keys, event.time);
         }
@@ -287,7 +287,7 @@ impl TextFilter {
     }
 
     /// Leaves the text if Backspace is held for so long that the receiver repeats it and has deleted more than is known.
-    fn leave_behind_repeats(&mut self, time: Timestamp) {
+    fn leave_after_repeats(&mut self, time: Timestamp) {
         let held = self.backspace_since.map(|since| time.since(since));
         if held > Some(REPEAT_DELAY) {
             self.leave();
@@ -367,7 +367,7 @@ impl PressFilter for TextFilter {
                 match event.kind {
                     EventKind::KeyUp(key) => {
                         if key == KeyCode::BACKSPACE {
-                            self.leave_behind_repeats(event.time);
+                            self.leave_after_repeats(event.time);
                             self.backspace_since = None;
                         }
                         step.push(event);
@@ -404,7 +404,7 @@ impl PressFilter for TextFilter {
             self.tapped = step.tapped;
             *events = step.events;
         }
-        self.forget_behind_stroke();
+        self.forget_after_stroke();
         if std::mem::take(&mut self.is_changed) {
             self.update_candidates();
         }

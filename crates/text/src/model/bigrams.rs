@@ -2,14 +2,14 @@
 //!
 //! A row belongs to a preceding word, given by its node in the lexicon; the root is the start of a sentence, and [`AFTER_COMMA`] a
 //! comma. Rows and the entries of a row are sorted. A word that is not in the row has its own probability times the weight of the
-//! row. A context is the row of two preceding words; a word that it lacks has the probability behind the second one, times the
+//! row. A context is the row of two preceding words; a word that it lacks has the probability after the second one, times the
 //! weight of the context.
 
 use super::ModelError;
 use super::bytes::u32_at;
 use crate::logarithm::nats;
 
-/// The node of a row of words behind a comma. No lexicon has so many nodes.
+/// The node of a row of words after a comma. No lexicon has so many nodes.
 pub const AFTER_COMMA: u32 = 0xff_fffe;
 /// The bytes of a row: node and weight in one number, then the index of the first entry.
 pub const ROW_BYTES: usize = 8;

@@ -146,13 +146,13 @@ impl<'a> Lexicon<'a> {
     /// Returns a node. An index beyond the end gives a node without children.
     pub fn node(&self, index: u32) -> Node {
         if index >= self.count {
-            return self.behind(index);
+            return self.beyond(index);
         }
         Node(u64_at(self.nodes, index as usize * NODE_BYTES))
     }
 
     #[cold]
-    fn behind(&self, index: u32) -> Node {
+    fn beyond(&self, index: u32) -> Node {
         match index.checked_sub(OWN) {
             Some(own) => self.own.node(own),
             None => Node(u64::from(self.count)),
@@ -180,7 +180,7 @@ impl<'a> Lexicon<'a> {
     }
 
     fn own_children(&self, index: u32) -> Range<u32> {
-        let first = |node: u32| OWN + self.behind(node).first_child();
+        let first = |node: u32| OWN + self.beyond(node).first_child();
         first(index)..first(index + 1)
     }
 

@@ -191,7 +191,7 @@ impl<'a> Model<'a> {
     }
 
     /// Returns the row of the words that follow a punctuation mark.
-    pub fn row_behind(&self, punctuation: char) -> Row {
+    pub fn row_after(&self, punctuation: char) -> Row {
         match punctuation {
             mark if ends_sentence(mark) => self.row(ROOT),
             ',' => self.row(AFTER_COMMA),

@@ -127,7 +127,7 @@ impl OwnWords {
         }
     }
 
-    /// Returns a node, 0 for the root; behind the last one, a node that ends the children of the one before.
+    /// Returns a node, 0 for the root; after the last one, a node that ends the children of the one before.
     pub(super) fn node(&self, index: u32) -> Node {
         let node = self.nodes.get(index as usize).copied();
         node.unwrap_or_else(|| {

@@ -7,7 +7,7 @@
 //! Σ |point of letter − key|² / 2σ² + Σ (|other points − line between the keys|² / 2σ² + turn (1 − cos angle)) spacing / length − λ ln P
 //! ```
 //!
-//! The angle is between the path and the line, so that a way back is no way there; P is the probability of the word behind the
+//! The angle is between the path and the line, so that a way back is no way there; P is the probability of the word after the
 //! words before.
 //!
 //! The search goes down the trie of words depth first. Each letter costs one row of a table, a number for each sample of the path, and a

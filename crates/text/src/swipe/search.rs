@@ -23,7 +23,7 @@ const LINE_LENGTH: f32 = 1.5;
 const TURN: f32 = 3.0;
 /// The log-probability of a word with an apostrophe, which the finger passes over.
 const APOSTROPHE: f32 = -0.7;
-/// The most that the log-probability of a word gains behind the words before.
+/// The most that the log-probability of a word gains after the words before.
 const GAIN: f32 = 8.0;
 /// The costs up to which words are looked for, one after another until enough are found. Words that fit a path worse are not meant.
 const LIMITS: [f32; 4] = [20.0, 35.0, 60.0, 100.0];
@@ -119,7 +119,7 @@ impl Swipes {
         }
     }
 
-    /// Finds the words that best explain a path behind the words of a row, the best first. `center` gives where a letter is aimed at.
+    /// Finds the words that best explain a path after the words of a row, the best first. `center` gives where a letter is aimed at.
     pub fn find(
         &mut self,
         (model, language, row): (&Model, f32, Row),

@@ -31,7 +31,7 @@ impl Sample {
     }
 }
 
-/// Returns the argument of the program behind the one with this name.
+/// Returns the argument of the program after the one with this name.
 pub fn argument(name: &str) -> Option<String> {
     std::env::args()
         .skip_while(|argument| argument != name)

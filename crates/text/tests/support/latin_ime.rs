@@ -15,7 +15,7 @@ use ademan_text::{Keyboard, Tap};
 use super::baselines::read_words;
 use super::session::Phrase;
 
-/// The most hypotheses that go on behind a tap.
+/// The most hypotheses that go on after a tap.
 const LIVE_NODES: usize = 310;
 /// The cost of a squared distance of one key width.
 const DISTANCE: f32 = 0.1524;
@@ -190,7 +190,7 @@ struct Search<'a> {
     costs: &'a [Vec<f32>],
     /// The hypotheses by the number of taps that they explain.
     levels: Vec<Level>,
-    /// Words behind which a space is missing, each with the index of the one before it.
+    /// Words after which a space is missing, each with the index of the one before it.
     finished: Vec<(usize, Option<usize>)>,
 }
 

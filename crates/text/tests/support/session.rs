@@ -10,7 +10,7 @@ use ademan_text::{
 pub struct Phrase {
     pub meant: String,
     pub taps: Vec<Tap>,
-    /// The space behind it.
+    /// The space after it.
     pub space: Option<Tap>,
 }
 

@@ -18,7 +18,7 @@ pub struct Tier {
     pub name: &'static str,
     /// The standard deviation of taps in mm.
     pub scatter: f32,
-    /// The share of taps with a spurious one behind them.
+    /// The share of taps with a spurious one after them.
     pub spurious: f32,
     /// The share of taps that are missed.
     pub missed: f32,

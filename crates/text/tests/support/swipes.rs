@@ -243,7 +243,7 @@ pub struct Measured {
     pub nearest: Vec<Hits>,
 }
 
-/// Lets people swipe phrases, each word that has more than one place; the others count as given, for the words behind them.
+/// Lets people swipe phrases, each word that has more than one place; the others count as given, for the words after them.
 pub fn measure(
     model: &Model,
     reference: &NearestShape,
@@ -278,7 +278,7 @@ pub fn measure(
                     let reference_texts = reference.read(&path).into_iter();
                     measured.nearest[index].add(word, reference_texts);
                 }
-                behind.commit_behind(Some(word));
+                behind.commit_text(Some(word));
             }
         }
     }

@@ -262,7 +262,7 @@ pub(super) struct Number {
     pub speed: f64,
     /// Decimals that are shown.
     pub decimals: usize,
-    /// The unit, which stands behind the number.
+    /// The unit, which follows the number.
     pub unit: &'static str,
 }
 
@@ -296,7 +296,7 @@ pub(super) fn number_cell(
     let mut shown = typed.unwrap_or(number.old);
     let drag = ui.add(number.drag_value(&mut shown));
     let drag = drag.labelled_by(number.label);
-    // A number that is typed in place of words is new, also if it is the one at which a drag begins.
+    // A number that is typed in place of words is new, even if it is the one at which a drag begins.
     let is_changed = is_other_number(number.old, shown, number.decimals)
         || number.hint.is_some() && typed.is_some();
     let new = (shown * 1000.0).round() / 1000.0;

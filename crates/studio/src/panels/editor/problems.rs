@@ -6,7 +6,7 @@ use super::EditorPanel;
 use crate::editor::Severity;
 use crate::texts::text;
 
-/// Lines that are shown before and behind the line of a problem.
+/// Lines that are shown before and after the line of a problem.
 const CONTEXT_LINES: usize = 2;
 
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {

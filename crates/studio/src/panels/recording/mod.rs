@@ -23,7 +23,7 @@ pub struct RecordingState {
 }
 
 impl RecordingState {
-    /// Starts afresh if the recording is another one, such as the next person of the lab.
+    /// Starts again if the recording is another one, such as the next person of the lab.
     fn follow(&mut self, path: &Path) {
         if self.path != path {
             *self = Self {
