@@ -263,13 +263,13 @@ impl FollowedHand {
             let time = match own {
                 Some(own) => {
                     let arrival = now.0.cast_signed().wrapping_sub(own.0.cast_signed());
-                    let known = *offset.get_or_insert(arrival);
+                    let mut shift = offset.unwrap_or(arrival);
                     // The clock of the page stands still in the background, and a reading of now must not wait.
-                    if is_live && !(arrival.saturating_sub(MAX_DELAY_US)..=arrival).contains(&known)
+                    if is_live && !(arrival.saturating_sub(MAX_DELAY_US)..=arrival).contains(&shift)
                     {
-                        *offset = Some(arrival);
+                        shift = arrival;
                     }
-                    let due = Timestamp(own.0.saturating_add_signed(offset.unwrap_or(arrival)));
+                    let due = Timestamp(own.0.saturating_add_signed(shift));
                     let is_of_file = !is_live && packet.sent_at.is_some();
                     let shifted = match waiting.back() {
                         // Its readings would all be due at once.
@@ -280,8 +280,9 @@ impl FollowedHand {
                         _ => due,
                     };
                     if shifted != due {
-                        *offset = Some(shifted.0.cast_signed().wrapping_sub(own.0.cast_signed()));
+                        shift = shifted.0.cast_signed().wrapping_sub(own.0.cast_signed());
                     }
+                    *offset = Some(shift);
                     shifted
                 }
                 None => now,
