@@ -78,7 +78,7 @@ impl FilterTrace {
 /// too short a time.
 ///
 /// Both are interpolated to a grid of 2 ms, and Pearson's correlation is computed for each lag up to 300 ms. A parabola through
-/// the best lag and its neighbours gives the part between two grid points.
+/// the best lag and its neighbors gives the part between two grid points.
 pub fn lag(samples: &[FilterSample]) -> Option<Duration> {
     let (raw, filtered) = (
         on_grid(samples, |it| it.raw),
@@ -137,7 +137,7 @@ fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     is_moving.then(|| covariance / (own * other).sqrt())
 }
 
-/// Returns the distance from the best grid point to the peak of the parabola through it and its neighbours, −0.5..=0.5.
+/// Returns the distance from the best grid point to the peak of the parabola through it and its neighbors, −0.5..=0.5.
 fn peak_offset(scores: &[f64], best: usize) -> f64 {
     if best == 0 || best + 1 >= scores.len() {
         return 0.0;

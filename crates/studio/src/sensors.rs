@@ -6,8 +6,8 @@ use ademan_core::time::Timestamp;
 use ademan_runtime::capture::{Channels, Reading};
 use ademan_runtime::setup::LoadedSetup;
 
-/// Movement of a neighbouring joint, as a fraction of the full scale, during which a working sensor of the same finger changes.
-const NEIGHBOUR_MOVEMENT: f64 = 0.15;
+/// Movement of a neighboring joint, as a fraction of the full scale, during which a working sensor of the same finger changes.
+const NEIGHBOR_MOVEMENT: f64 = 0.15;
 
 /// The state of a channel, as far as its counts show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,20 +182,20 @@ impl SensorTable {
     }
 
     fn is_stuck(&self, row: &SensorRow) -> bool {
-        !self.is_simulated && row.is_constant() && self.has_neighbour_moved(row)
+        !self.is_simulated && row.is_constant() && self.has_neighbor_moved(row)
     }
 
     /// Returns `true` if another sensor has bent the finger of this one far. A finger bends at all its joints; a hand that rests may
     /// hold an arm still.
-    fn has_neighbour_moved(&self, row: &SensorRow) -> bool {
+    fn has_neighbor_moved(&self, row: &SensorRow) -> bool {
         let Some(finger) = row.bent_finger() else {
             return false;
         };
-        let enough = NEIGHBOUR_MOVEMENT * f64::from(self.full_scale);
-        let neighbours = self.rows.iter();
-        let mut neighbours = neighbours
+        let enough = NEIGHBOR_MOVEMENT * f64::from(self.full_scale);
+        let neighbors = self.rows.iter();
+        let mut neighbors = neighbors
             .filter(|other| other.channel != row.channel && other.bent_finger() == Some(finger));
-        neighbours.any(|other| {
+        neighbors.any(|other| {
             let seen = other.seen.unwrap_or_default();
             f64::from(seen.1 - seen.0) >= enough
         })
@@ -213,7 +213,7 @@ impl SensorRow {
         self.seen.is_some_and(|(low, high)| low == high)
     }
 
-    /// Returns the finger whose bend the channel measures. Neither a spread nor the thumb bends with its neighbours.
+    /// Returns the finger whose bend the channel measures. Neither a spread nor the thumb bends with its neighbors.
     fn bent_finger(&self) -> Option<Finger> {
         let mut joints = self.joints.iter();
         let bent = joints.find(|joint| joint.dof.name().ends_with("-flexion"))?;

@@ -118,10 +118,46 @@ pub fn compare(
     (first, before): (&str, &[PersonScore]),
     (second, after): (&str, &[PersonScore]),
 ) -> Result<Comparison, NotComparable> {
+    let measures = measures((first, before), (second, after))?;
+    let pairs: Vec<(&PersonScore, &PersonScore)> = before.iter().zip(after).collect();
+    let mut hands: Vec<f64> = before.iter().map(|it| it.hand_mm).collect();
+    hands.sort_by(f64::total_cmp);
+    let median_hand_mm = match hands.len() {
+        0 => 0.0,
+        count => (hands[(count - 1) / 2] + hands[count / 2]) / 2.0,
+    };
+    let group = |is_long: bool| {
+        let own = pairs.iter().copied();
+        let own = own.filter(|(it, _)| (it.hand_mm > median_hand_mm) == is_long);
+        let own: Vec<_> = own.collect();
+        HandGroup {
+            is_long,
+            people: own.len(),
+            differences: differences(measures, &own),
+        }
+    };
+    Ok(Comparison {
+        first: first.to_owned(),
+        second: second.to_owned(),
+        median_hand_mm,
+        differences: differences(measures, &pairs),
+        groups: [false, true]
+            .map(group)
+            .into_iter()
+            .filter(|group| group.people > 0)
+            .collect(),
+    })
+}
+
+/// Returns the measures that both layouts have.
+fn measures(
+    (first, before): (&str, &[PersonScore]),
+    (second, after): (&str, &[PersonScore]),
+) -> Result<&'static [Measure], NotComparable> {
     let types = |people: &[PersonScore]| people.iter().any(|it| it.characters > 0);
     let points = |people: &[PersonScore]| people.iter().all(|it| it.pointing.is_some());
     let works = |people: &[PersonScore]| people.iter().any(|it| !it.tasks.is_empty());
-    let measures: &[Measure] = match (types(before), types(after)) {
+    let measures: &'static [Measure] = match (types(before), types(after)) {
         (true, true) => &[
             Measure::WordsPerMinute,
             Measure::ErrorPoints,
@@ -153,34 +189,7 @@ pub fn compare(
             });
         }
     };
-    let pairs: Vec<(&PersonScore, &PersonScore)> = before.iter().zip(after).collect();
-    let mut hands: Vec<f64> = before.iter().map(|it| it.hand_mm).collect();
-    hands.sort_by(f64::total_cmp);
-    let median_hand_mm = match hands.len() {
-        0 => 0.0,
-        count => (hands[(count - 1) / 2] + hands[count / 2]) / 2.0,
-    };
-    let group = |is_long: bool| {
-        let own = pairs.iter().copied();
-        let own = own.filter(|(it, _)| (it.hand_mm > median_hand_mm) == is_long);
-        let own: Vec<_> = own.collect();
-        HandGroup {
-            is_long,
-            people: own.len(),
-            differences: differences(measures, &own),
-        }
-    };
-    Ok(Comparison {
-        first: first.to_owned(),
-        second: second.to_owned(),
-        median_hand_mm,
-        differences: differences(measures, &pairs),
-        groups: [false, true]
-            .map(group)
-            .into_iter()
-            .filter(|group| group.people > 0)
-            .collect(),
-    })
+    Ok(measures)
 }
 
 fn differences(measures: &[Measure], pairs: &[(&PersonScore, &PersonScore)]) -> Vec<Difference> {

@@ -52,7 +52,7 @@ pub fn snap_move(
         min: moved.min + offset,
         max: moved.max + offset,
     };
-    let near = neighbours(target, others, settings.reach_mm);
+    let near = neighbors(target, others, settings.reach_mm);
     let mut snapped = Snapped {
         offset,
         guides: Vec::new(),
@@ -86,14 +86,14 @@ fn grid_shift(value: f32, grid_mm: f32) -> f32 {
     }
 }
 
-/// Distance up to which items are neighbours, in sizes of what moves: others on a full board would attract everywhere.
-const NEIGHBOURHOOD: f32 = 2.5;
+/// Distance up to which items are neighbors, in sizes of what moves: others on a full board would attract everywhere.
+const NEIGHBORHOOD: f32 = 2.5;
 
-fn neighbours(target: Bounds, others: impl Iterator<Item = Bounds>, reach_mm: f32) -> Vec<Bounds> {
+fn neighbors(target: Bounds, others: impl Iterator<Item = Bounds>, reach_mm: f32) -> Vec<Bounds> {
     if reach_mm <= 0.0 {
         return Vec::new();
     }
-    let margin = Vec2::splat(target.size().max_element().clamp(20.0, 200.0) * NEIGHBOURHOOD);
+    let margin = Vec2::splat(target.size().max_element().clamp(20.0, 200.0) * NEIGHBORHOOD);
     let around = Bounds {
         min: target.min - margin,
         max: target.max + margin,
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_of_a_neighbour_attracts_and_is_shown() {
+    fn an_edge_of_a_neighbor_attracts_and_is_shown() {
         let snapped = moved(Vec2::new(32.2, 10.0), BOTH);
         assert!((snapped.offset.x - 33.0).abs() < 1e-4, "{snapped:?}");
         assert!((snapped.offset.y - 10.0).abs() < 1e-4, "the grid");
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn far_from_neighbours_the_center_is_on_the_grid() {
+    fn far_from_neighbors_the_center_is_on_the_grid() {
         let snapped = moved(Vec2::new(-20.4, 23.6), BOTH);
         assert!((snapped.offset - Vec2::new(-20.0, 24.0)).length() < 1e-4);
         assert_eq!(snapped.guides, []);

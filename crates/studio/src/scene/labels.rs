@@ -88,7 +88,7 @@ fn most_upright(rightward: impl Fn(Turn) -> f32) -> (Turn, f32) {
     best.unwrap_or((Turn::None, 0.0))
 }
 
-/// Returns the turn of the labels of a board, so that neighbours do not differ: in it, most are upright. `None` if the fronts
+/// Returns the turn of the labels of a board, so that neighbors do not differ: in it, most are upright. `None` if the fronts
 /// point in all directions.
 pub(super) fn board_turn<'a>(
     canvas: &Canvas,

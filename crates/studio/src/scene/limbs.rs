@@ -36,7 +36,7 @@ const PALM: [(f32, f32, f32); 6] = [
 /// Sections between two given ones.
 const SUBDIVISIONS: usize = 5;
 
-/// Rounds in which each section of an arm approaches its neighbours, which rounds the wrist.
+/// Rounds in which each section of an arm approaches its neighbors, which rounds the wrist.
 const SMOOTHING_ROUNDS: usize = 12;
 
 /// Start of the skin of a finger, inside the palm: position between the knuckle (0) and the other end of its bone (1).

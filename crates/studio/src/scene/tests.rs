@@ -95,7 +95,7 @@ fn a_key_above_another_one_hides_the_label_below_it() {
 }
 
 #[test]
-fn the_labels_of_neighbours_on_an_arc_have_the_same_quarter_turn() {
+fn the_labels_of_neighbors_on_an_arc_have_the_same_quarter_turn() {
     let (model, mut camera) = scene("piano");
     let points = points_of_interest(&model);
     camera.frame(&points, 0.0, Viewpoint::Above, SIZE.x / SIZE.y);

@@ -72,13 +72,13 @@ impl GloveSensors {
         let count = channels.len();
         let sensors = channels.iter().enumerate().map(|(index, &channel)| {
             // A single sensor leaks into itself, which makes it a little more sensitive.
-            let neighbour = if index + 1 < count {
+            let neighbor = if index + 1 < count {
                 index + 1
             } else {
                 index.saturating_sub(1)
             };
             Sensor {
-                leak: (neighbour, between(random, CROSS_TALK)),
+                leak: (neighbor, between(random, CROSS_TALK)),
                 ..Sensor::new(map, channel, divider, random)
             }
         });
