@@ -222,7 +222,7 @@ mod tests {
     use ademan_runtime::files::Load;
     use std::f32::consts::TAU;
 
-    /// A view of a front that is not pressed, in the dark theme.
+    /// Returns the view of a front that is not pressed, in the dark theme.
     fn view(scale: f32, to_screen: &dyn Fn(Vec2) -> Option<Vec2>) -> FrontView<'_> {
         FrontView {
             to_screen,
