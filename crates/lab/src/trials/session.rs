@@ -144,17 +144,7 @@ impl Station {
                     hand.set_start(start);
                 }
             }
-            for event in &session.events {
-                let length = session.field.text().len();
-                session.field.handle(event);
-                session.fixes += usize::from(event.kind == EventKind::KeyDown(KeyCode::BACKSPACE));
-                session.fixed += usize::from(session.field.text().len() < length);
-                if matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_)) {
-                    session.keystrokes += 1;
-                    let first = session.span.map_or(event.time, |(first, _)| first);
-                    session.span = Some((first, event.time));
-                }
-            }
+            session.follow_events();
             if let Some(watch) = &mut session.watch {
                 watch.see(&session.reading, session.field.text());
             }
@@ -206,6 +196,21 @@ impl<'a> Session<'a> {
             shown: None,
             presses: Vec::new(),
         });
+    }
+
+    /// Follows the events of the last step: the text, and the keystrokes and fixes that made it.
+    fn follow_events(&mut self) {
+        for event in &self.events {
+            let length = self.field.text().len();
+            self.field.handle(event);
+            self.fixes += usize::from(event.kind == EventKind::KeyDown(KeyCode::BACKSPACE));
+            self.fixed += usize::from(self.field.text().len() < length);
+            if matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_)) {
+                self.keystrokes += 1;
+                let first = self.span.map_or(event.time, |(first, _)| first);
+                self.span = Some((first, event.time));
+            }
+        }
     }
 
     /// Attributes each press to the stroke of its hand that is nearest in time, at the end of the phrase.
