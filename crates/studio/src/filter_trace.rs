@@ -156,7 +156,8 @@ mod tests {
     use super::*;
 
     /// A finger that taps about twice a second, and the same `delay` seconds later.
-    fn tapping(delay: f64, period: f64) -> Vec<FilterSample> {
+    fn tapping(delay: f64) -> Vec<FilterSample> {
+        let period = 0.0057;
         let angle = |time: f64| 20.0 * (13.0 * time).sin() + 7.0 * (31.0 * time + 1.0).sin();
         let count = (4.0 / period) as usize;
         let sample = |index: usize| {
@@ -173,7 +174,7 @@ mod tests {
     #[test]
     fn a_delay_is_measured_within_a_millisecond() {
         for delay_ms in [0.0, 5.0, 23.0, 61.0, 140.0] {
-            let lag = lag(&tapping(delay_ms / 1e3, 0.0057)).unwrap();
+            let lag = lag(&tapping(delay_ms / 1e3)).unwrap();
             let error = lag.as_secs_f64() * 1e3 - delay_ms;
             assert!(error.abs() < 1.0, "{delay_ms} ms: {lag:?}");
         }
@@ -181,12 +182,12 @@ mod tests {
 
     #[test]
     fn a_resting_or_short_trace_has_no_lag() {
-        let mut resting = tapping(0.02, 0.0057);
+        let mut resting = tapping(0.02);
         for sample in &mut resting {
             (sample.raw, sample.filtered) = (30.0, 30.0);
         }
         assert_eq!(lag(&resting), None);
-        assert_eq!(lag(&tapping(0.02, 0.0057)[..20]), None);
+        assert_eq!(lag(&tapping(0.02)[..20]), None);
         assert_eq!(lag(&[]), None);
     }
 

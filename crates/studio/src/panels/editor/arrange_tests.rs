@@ -121,7 +121,7 @@ fn a_click_on_the_handle_of_a_bend_changes_nothing_and_a_drag_bends() {
 #[test]
 fn a_key_is_repeated_along_an_arc_from_the_menu_in_one_step_of_undo() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     open_repetitions(&mut window);
     for (name, number) in [
         ("editor-arc-count", "3"),
@@ -149,7 +149,7 @@ fn a_key_is_repeated_along_an_arc_from_the_menu_in_one_step_of_undo() {
 fn the_proposed_angle_keeps_the_gap_of_a_row_at_the_near_corners() {
     let one_key = TWO_KEYS.replace("                (code: \"B\", at_mm: (40, 0)),\n", "");
     let mut window = Window::on_text(&one_key, 700.0);
-    window.click_board(20.0, 0.0);
+    window.click_board(20.0);
     open_repetitions(&mut window);
     // 19 mm on a circle of 80 mm without half a key of 17 mm.
     assert_eq!(window.panel().repeat.arc_step_deg, 15.0);

@@ -177,7 +177,7 @@ fn the_palette_moves_what_is_selected_chooses_the_grid_and_binds_the_next_key() 
     let mut window = Window::open();
     let nudge = format!("{}: 0.1 mm", text("editor-nudge-left"));
     assert!(!window.offers(&nudge), "nothing is selected");
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.run(&nudge);
     let moved = TWO_KEYS.replace("(0, 0)", "(-0.1, 0)");
     assert_eq!(window.text(), moved);
@@ -269,7 +269,7 @@ fn what_is_pasted_is_shown() {
 #[test]
 fn a_cut_takes_controls_and_leaves_what_cannot_be_pasted() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.event(Event::Cut);
     let left = window.text();
     assert!(!left.contains("\"A\"") && left.contains("\"B\""), "{left}");
@@ -400,7 +400,7 @@ fn a_step_that_is_undone_is_shown_on_its_board() {
 ";
     let both = TWO_KEYS.replace("    ],\n)\n", second);
     let mut window = Window::on_text(&both, 700.0);
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.press(Modifiers::NONE, Key::ArrowUp);
     let moved = window.text();
     assert_ne!(moved, both);

@@ -129,9 +129,9 @@ impl Window {
         self.click(at);
     }
 
-    /// Clicks on a point of the board. The middle of both keys is in the middle of the canvas.
-    pub fn click_board(&mut self, x: f32, y: f32) {
-        let at = self.at(x, y);
+    /// Clicks on a point of the row of both keys, whose middle is in the middle of the canvas.
+    pub fn click_board(&mut self, x: f32) {
+        let at = self.at(x, 0.0);
         self.click(at);
     }
 
@@ -181,13 +181,13 @@ impl Window {
 #[test]
 fn escape_in_a_number_discards_it_and_the_next_click_moves_nothing() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_field(Role::SpinButton, "X");
     window.write("-40");
     window.press(Modifiers::NONE, Key::Escape);
     assert_eq!(window.panel().preview, Preview::default());
     assert_eq!(window.panel().selected.single(), Some(0), "still selected");
-    window.click_board(40.0, 0.0);
+    window.click_board(40.0);
     assert_eq!(window.panel().selected.single(), Some(1));
     assert_eq!(window.text(), TWO_KEYS);
     window.press(Modifiers::NONE, Key::Escape);
@@ -197,7 +197,7 @@ fn escape_in_a_number_discards_it_and_the_next_click_moves_nothing() {
 #[test]
 fn escape_in_a_text_or_in_a_number_of_a_board_discards_it() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_field(Role::TextInput, "name");
     window.write("Foo");
     window.press(Modifiers::NONE, Key::Escape);
@@ -223,7 +223,7 @@ fn escape_in_a_text_or_in_a_number_of_a_board_discards_it() {
 #[test]
 fn a_save_includes_the_value_that_is_being_typed() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_field(Role::TextInput, "name");
     window.write("Foo");
     assert!(window.panel().is_unsaved());
@@ -267,7 +267,7 @@ fn a_window_with_a_typed_value_asks_before_it_closes() {
     let mut window = Window::open();
     window.close();
     assert!(!window.panel().is_close_asked);
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_field(Role::SpinButton, "X");
     window.write("-40");
     window.close();
@@ -278,7 +278,7 @@ fn a_window_with_a_typed_value_asks_before_it_closes() {
 #[test]
 fn a_window_that_stays_open_asks_again() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.press(Modifiers::NONE, Key::ArrowUp);
     window.panel().permit_close();
     window.panel().stay_open();
@@ -324,10 +324,10 @@ fn a_save_before_the_close_that_needs_a_name_shows_the_editor() {
 #[test]
 fn a_value_belongs_to_the_part_for_which_it_was_typed() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_field(Role::TextInput, "name");
     window.write("Foo");
-    window.click_board(40.0, 0.0);
+    window.click_board(40.0);
     let named = TWO_KEYS.replace("(0, 0))", "(0, 0), name: \"Foo\")");
     assert_eq!(window.text(), named);
     assert_eq!(window.panel().selected.single(), Some(1));
@@ -342,7 +342,7 @@ fn a_value_belongs_to_the_part_for_which_it_was_typed() {
 #[test]
 fn keys_do_not_act_behind_a_question_and_escape_closes_it() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.press(Modifiers::NONE, Key::ArrowUp);
     let moved = window.text();
     window.close();
@@ -366,10 +366,10 @@ fn keys_do_not_act_behind_a_question_and_escape_closes_it() {
 #[test]
 fn a_key_is_awaited_for_the_selected_part_in_the_tab_of_the_editor_only() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_button(text("editor-press-key"));
     assert!(window.awaits_key());
-    window.click_board(40.0, 0.0);
+    window.click_board(40.0);
     assert!(!window.awaits_key());
     window.press(Modifiers::NONE, Key::Z);
     assert_eq!(window.text(), TWO_KEYS);
@@ -388,7 +388,7 @@ fn a_key_is_awaited_for_the_selected_part_in_the_tab_of_the_editor_only() {
 #[test]
 fn tab_goes_to_the_next_number_and_keeps_both() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_field(Role::SpinButton, "Y");
     window.write("-40");
     window.press(Modifiers::NONE, Key::Tab);
@@ -407,7 +407,7 @@ fn tab_goes_to_the_next_number_and_keeps_both() {
 #[test]
 fn a_refused_text_stays_in_its_field_until_it_is_corrected_or_discarded() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_field(Role::TextInput, "name");
     window.write("B");
     window.press(Modifiers::NONE, Key::Enter);
@@ -425,7 +425,7 @@ fn a_refused_text_stays_in_its_field_until_it_is_corrected_or_discarded() {
 #[test]
 fn a_window_with_a_refused_text_closes_after_a_save() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_field(Role::TextInput, "name");
     window.write("B");
     window.press(Modifiers::NONE, Key::Enter);
@@ -440,7 +440,7 @@ fn a_window_with_a_refused_text_closes_after_a_save() {
 #[test]
 fn a_change_of_the_file_leaves_a_typed_value_with_its_key() {
     let mut window = Window::open();
-    window.click_board(40.0, 0.0);
+    window.click_board(40.0);
     window.click_field(Role::TextInput, "name");
     window.write("Foo");
     let first = "keys: [";
@@ -458,7 +458,7 @@ fn a_change_of_the_file_leaves_a_typed_value_with_its_key() {
 #[test]
 fn the_name_of_a_copy_is_typed_at_once_and_escape_cancels_it() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_button(text("editor-save-as"));
     window.press(Modifiers::NONE, Key::Escape);
     assert!(window.panel().save_as.is_none());

@@ -100,7 +100,7 @@ fn a_drag_of_a_number_that_is_not_written_changes_one_field_in_one_step() {
     ] {
         let mut window = Window::on_text(TWO_KEYS, TALL);
         match part {
-            None => window.click_board(0.0, 0.0),
+            None => window.click_board(0.0),
             Some(part) => window.panel().show_part(part),
         }
         window.harness.run_steps(3);
@@ -151,7 +151,7 @@ fn a_field_that_a_part_must_have_has_no_button_that_removes_it() {
 #[test]
 fn a_number_that_is_not_written_is_shown_as_the_board_has_it() {
     let mut window = Window::on_text(TWO_KEYS, TALL);
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.show_defaults();
     let defaults = ["travel", "press at", "debounce"].map(|name| window.number(name));
     assert_eq!(defaults, [4.0, 0.5, 40.0]);
@@ -161,7 +161,7 @@ fn a_number_that_is_not_written_is_shown_as_the_board_has_it() {
     let board = "pose: (";
     let deep = format!("travel_mm: 10, release_at: 0.3, reports_depth: true, {board}");
     let mut other = Window::on_text(&TWO_KEYS.replace(board, &deep), TALL);
-    other.click_board(0.0, 0.0);
+    other.click_board(0.0);
     other.show_defaults();
     let of_board = ["travel", "release at"].map(|name| other.number(name));
     assert_eq!(of_board, [10.0, 0.3]);
@@ -180,7 +180,7 @@ fn a_number_that_is_typed_in_place_of_words_is_written_also_if_it_is_the_first_o
         ("0.25", Key::Tab),
     ] {
         let mut window = Window::on_text(TWO_KEYS, TALL);
-        window.click_board(0.0, 0.0);
+        window.click_board(0.0);
         window.show_defaults();
         window.click_field(Role::SpinButton, "release at");
         window.write(number);
@@ -189,7 +189,7 @@ fn a_number_that_is_typed_in_place_of_words_is_written_also_if_it_is_the_first_o
         assert_eq!(window.text(), TWO_KEYS.replace("(0, 0))", &written));
     }
     let mut window = Window::on_text(TWO_KEYS, TALL);
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.show_defaults();
     for is_typed in [false, true] {
         window.click_field(Role::SpinButton, "release at");
@@ -198,7 +198,7 @@ fn a_number_that_is_typed_in_place_of_words_is_written_also_if_it_is_the_first_o
         }
         window.press(Modifiers::NONE, Key::Escape);
         assert_eq!(window.text(), TWO_KEYS);
-        window.click_board(0.0, 0.0);
+        window.click_board(0.0);
     }
 }
 
@@ -228,7 +228,7 @@ fn a_change_of_the_file_during_a_drag_keeps_both() {
 #[test]
 fn what_is_typed_or_dragged_is_offered_after_the_end_of_the_program() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.click_field(Role::TextInput, "name");
     window.write("Foo");
     let named = TWO_KEYS.replace("(0, 0))", "(0, 0), name: \"Foo\")");
@@ -254,7 +254,7 @@ fn a_file_that_is_dropped_is_opened_and_asks_before_unsaved_work_is_left() {
         dropping.harness.input_mut().dropped_files.clear();
         dropping.harness.run_steps(2);
     };
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.tap(Key::ArrowLeft);
     let moved = window.text();
     drop_file(&mut window);
@@ -269,7 +269,7 @@ fn a_file_that_is_dropped_is_opened_and_asks_before_unsaved_work_is_left() {
 #[test]
 fn taps_of_one_arrow_key_are_one_step() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     for _ in 0..10 {
         window.tap(Key::ArrowLeft);
     }
@@ -278,7 +278,7 @@ fn taps_of_one_arrow_key_are_one_step() {
     for _ in 0..3 {
         window.tap(Key::ArrowUp);
     }
-    window.click_board(40.0, 0.0);
+    window.click_board(40.0);
     window.tap(Key::ArrowUp);
     let up = TWO_KEYS.replace("(0, 0)", "(-10, 3)");
     assert_eq!(window.text(), up.replace("(40, 0)", "(40, 1)"));
@@ -305,7 +305,7 @@ fn the_first_control_of_an_empty_layout_comes_with_a_board() {
 #[test]
 fn a_drag_whose_end_the_canvas_has_not_seen_changes_nothing() {
     let mut window = Window::open();
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     let panel = window.panel();
     let way = Vec2::new(15.0, 0.0);
     panel.preview = moved(&panel.items.items, &panel.selected, way, SnapSettings::OFF);
@@ -329,7 +329,7 @@ fn a_drag_on_a_board_ends_when_all_boards_are_shown() {
 #[test]
 fn an_undo_while_a_number_is_dragged_leaves_the_edit_before() {
     let mut window = Window::on_text(TWO_KEYS, TALL);
-    window.click_board(0.0, 0.0);
+    window.click_board(0.0);
     window.press(Modifiers::NONE, Key::ArrowUp);
     let moved = window.text();
     assert_ne!(moved, TWO_KEYS);
