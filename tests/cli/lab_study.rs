@@ -308,7 +308,10 @@ fn names_folders_and_layouts_that_do_not_fit_are_refused() {
         assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
         assert!(ended.err.contains(words), "{words}: {}", ended.err);
     };
-    refused(add(&study, "../P01", &["--simulated"]), "is no pseudonym");
+    refused(
+        add(&study, "../P01", &["--simulated"]),
+        "is not a pseudonym",
+    );
     refused(
         add(&study, "P01", &[]),
         "no source: name the source of the participant",

@@ -80,7 +80,7 @@ fn files_that_are_no_model_and_lines_that_are_no_taps_are_refused() {
     let foreign = file(&folder, "foreign.adm", "words");
     let ended = decode(&foreign, "");
     assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("no language model"), "{}", ended.err);
+    assert!(ended.err.contains("not a language model"), "{}", ended.err);
     let unknown = decode("fr", "");
     assert_eq!(unknown.code, Some(2));
     let languages = "cannot read fr: there is no such file; the languages are `en` and `es`";
@@ -173,7 +173,7 @@ fn a_model_in_the_arpa_format_is_mixed_in_and_its_wrong_lines_are_named() {
     assert!(broken.err.contains(number), "{}", broken.err);
     let heavy = build(&file(&folder, "heavy.txt", "hello 5\nworld 1,000\n"), &arpa);
     assert_eq!(heavy.code, Some(2), "{}", heavy.err);
-    let weight = "heavy.txt: line 2: its weight is no number";
+    let weight = "heavy.txt: line 2: its weight is not a number";
     assert!(heavy.err.contains(weight), "{}", heavy.err);
     let replaced = run([
         "text", "build", "--words", &words, "--arpa", &arpa, "-o", &arpa,

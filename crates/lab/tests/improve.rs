@@ -280,7 +280,7 @@ fn layouts_of_the_community_become_layouts_that_type() {
 fn other_files_are_refused_with_the_reason() {
     for (text, words) in [
         ("", "the file is empty"),
-        ("{\"a\": 1", "begins as JSON and is none"),
+        ("{\"a\": 1", "begins as JSON and is not valid"),
         (
             "{\"keys\": [], \"label\": \"x\"}",
             "files of other layout analyzers",
@@ -306,10 +306,10 @@ fn other_files_are_refused_with_the_reason() {
         ("<?xml version=\"1.0\"?>", "is XML"),
         (
             "KBD us \"US\"\nCOPYRIGHT something long",
-            "is no row of keys",
+            "is not a row of keys",
         ),
         ("1 2 3 4 5\n6 7 8 9 0\n! @ # $ %", "fewer than ten letters"),
-        ("[1, 2]", "the JSON is no .dof file"),
+        ("[1, 2]", "the JSON is not a .dof file"),
     ] {
         let error = import("a.dof", text, ImportHands::Two).expect_err(text);
         assert!(error.to_string().contains(words), "{words}: {error}");

@@ -80,7 +80,7 @@ fn lines_that_are_not_in_the_arpa_format_are_named() {
     };
     let number = "it does not start with a logarithm of at most 0";
     let unknown = "it has a word that is not among the 1-grams";
-    let weight = "the weight at its end is no number, or it has too many words";
+    let weight = "the weight at its end is not a number, or it has too many words";
     let cases = [
         (refused("-1.0\tcat", "x\tcat"), 7, number),
         (refused("-1.0\tcat", "0.3\tcat"), 7, number),
@@ -96,7 +96,9 @@ fn lines_that_are_not_in_the_arpa_format_are_named() {
     for text in ["", "the quick fox\n", "Trie Language Model"] {
         let error = Builder::new().arpa(text).expect_err("a foreign text");
         assert!(
-            error.fault.contains("no language model in the ARPA format"),
+            error
+                .fault
+                .contains("not a language model in the ARPA format"),
             "{error}"
         );
     }

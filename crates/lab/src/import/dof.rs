@@ -31,7 +31,7 @@ const SHIFT: &str = "shift";
 
 pub(super) fn read(text: &str, stem: &str) -> Result<Grid, ImportError> {
     let value: serde_json::Value = serde_json::from_str(text).map_err(|error| {
-        ImportError::Format(format!("the file begins as JSON and is none: {error}"))
+        ImportError::Format(format!("the file begins as JSON and is not valid: {error}"))
     })?;
     if let Some(object) = value.as_object()
         && object.contains_key("keys")
@@ -41,7 +41,7 @@ pub(super) fn read(text: &str, stem: &str) -> Result<Grid, ImportError> {
         return Err(ImportError::Format(message.to_owned()));
     }
     let dof: Dof = serde_json::from_value(value)
-        .map_err(|error| ImportError::Format(format!("the JSON is no .dof file: {error}")))?;
+        .map_err(|error| ImportError::Format(format!("the JSON is not a .dof file: {error}")))?;
     let Some(main) = dof.layers.get(MAIN) else {
         return Err(ImportError::Content(format!(
             "the file has no layer `{MAIN}`; it has {}",

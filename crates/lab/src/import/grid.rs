@@ -40,14 +40,14 @@ pub(super) fn read(text: &str, stem: &str) -> Result<Grid, ImportError> {
             (false, _) if number == 0 => grid.name = (*line).to_owned(),
             (false, _) => {
                 return Err(ImportError::Format(format!(
-                    "line {line_number} of the text is no row of keys: `{}`",
+                    "line {line_number} of the text is not a row of keys: `{}`",
                     escape(&line.chars().take(40).collect::<String>())
                 )));
             }
             (true, _) => rows.push(row),
         }
         if number >= MOST_LINES {
-            let message = format!("the text has more than {MOST_LINES} lines, so it is no grid");
+            let message = format!("the text has more than {MOST_LINES} lines, so it is not a grid");
             return Err(ImportError::Format(message));
         }
     }

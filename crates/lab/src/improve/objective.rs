@@ -30,7 +30,7 @@ pub enum ObjectiveError {
     )]
     Name(String),
     /// A weight that is not a number of 0 or more.
-    #[error("the weight `{}` is no number from 0 to 1000", escape(.0))]
+    #[error("the weight `{}` is not a number from 0 to 1000", escape(.0))]
     Weight(String),
     /// All weights are 0.
     #[error("all weights are 0; give one of speed, errors and effort a weight")]

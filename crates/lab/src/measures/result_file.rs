@@ -115,7 +115,7 @@ pub struct Partial {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReadError {
     /// The file is not JSON of this form.
-    #[error("this is no file of the lab of this kind: {}", escape_line(.0))]
+    #[error("this is not a file of the lab of this kind: {}", escape_line(.0))]
     NoResult(String),
     /// The file has another version of the format.
     #[error(

@@ -90,7 +90,7 @@ pub enum StudyError {
     NoTask(String),
     /// A name may identify somebody, or cannot be part of a file name.
     #[error(
-        "`{}` is no pseudonym: use 1 to {MAX_PSEUDONYM} letters, digits, `-` and `_`, such as P01, and no name of a person",
+        "`{}` is not a pseudonym: use 1 to {MAX_PSEUDONYM} letters, digits, `-` and `_`, such as P01, and not the name of a person",
         escape(.0)
     )]
     NoPseudonym(String),

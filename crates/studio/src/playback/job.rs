@@ -6,7 +6,9 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
 /// Reason why there is no result: the thread has not started, or has ended early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no thread has done this; close other programs and try again")]
+#[error(
+    "this was not done, as its thread did not start or ended early; close other programs and try again"
+)]
 pub struct JobLost;
 
 /// Work on a thread of its own, and its result.

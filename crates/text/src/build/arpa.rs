@@ -74,7 +74,7 @@ impl Arpa {
         if arpa.words.is_empty() {
             return Err(LineError {
                 line: text.lines().count().max(1),
-                fault: "the text ends without 1-grams, so it is no language model in the ARPA format",
+                fault: "the text ends without 1-grams, so it is not a language model in the ARPA format",
             });
         }
         Ok(arpa)
@@ -111,7 +111,8 @@ fn entry(line: &str, order: usize) -> Result<([&str; ORDER], Logarithms), &'stat
         *token = fields.next().ok_or("it has too few words")?;
     }
     let weight = if fields.clone().next().is_some() {
-        number(&mut fields).ok_or("the weight at its end is no number, or it has too many words")?
+        number(&mut fields)
+            .ok_or("the weight at its end is not a number, or it has too many words")?
     } else {
         0.0
     };

@@ -41,7 +41,7 @@ const MIN_PAIR_BYTES: usize = 1_000_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BuildError {
     /// There is no word.
-    #[error("there is no word: give a list of words, or a text in which words occur twice")]
+    #[error("there are no words: give a list of words, or a text in which words occur twice")]
     Empty,
     /// There are too many letters.
     #[error(
@@ -105,7 +105,7 @@ impl Builder {
                 .filter(|weight: &f64| weight.is_finite() && *weight >= 0.0);
             let weight = weight.ok_or(LineError {
                 line: index + 1,
-                fault: "its weight is no number from 0; write it like 0.5, without thousands separators",
+                fault: "its weight is not a number of 0 or more; write it like 0.5, without thousands separators",
             })?;
             words.push((word, weight));
         }

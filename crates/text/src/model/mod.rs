@@ -38,7 +38,7 @@ pub(crate) const HEADER_BYTES: usize = CHECKED_FROM + 4 * SECTIONS;
 pub enum ModelError {
     /// The first bytes are not [`MAGIC`].
     #[error(
-        "it is no language model: it does not start with ADEMTEXT; `ademan text build` makes one"
+        "it is not a language model: it does not start with ADEMTEXT; `ademan text build` makes one"
     )]
     Foreign,
     /// The format has another version.
