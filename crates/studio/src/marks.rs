@@ -235,7 +235,8 @@ mod tests {
 
     #[test]
     fn the_label_of_a_pressed_knob_is_on_a_lit_hub() {
-        let mut view = view(3.0, &|point| Some(point));
+        let to_screen = |point: Vec2| Some(point);
+        let mut view = view(3.0, &to_screen);
         view.is_lit = true;
         assert_eq!(view.color(MarkRole::Cap), SceneColors::DARK.lit);
         assert_eq!(view.color(MarkRole::Label), SceneColors::DARK.lit_label);
@@ -272,7 +273,8 @@ mod tests {
     fn a_handle_is_seen_on_its_track_in_every_theme() {
         for (is_dark, has_high_contrast, _) in THEMES {
             let colors = SceneColors::new(is_dark, has_high_contrast);
-            let mut view = view(3.0, &|point| Some(point));
+            let to_screen = |point: Vec2| Some(point);
+            let mut view = view(3.0, &to_screen);
             view.colors = &colors;
             let groove = view.color(MarkRole::Groove);
             // As the guidelines ask for graphics, and more where high contrast is asked for.
