@@ -21,6 +21,7 @@ use rustix::net::{
 };
 use rustix::process::geteuid;
 
+use super::SocketError;
 use crate::files;
 use ademan_core::message::escape_path;
 
@@ -45,20 +46,6 @@ const OTHERS: u32 = 0o077;
 
 /// Attempts to lock a file that other processes remove at the same time.
 const MAX_LOCK_ATTEMPTS: u32 = 100;
-
-/// A failure to create a socket. The messages contain the cause; the remedy depends on the purpose of the socket.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum SocketError {
-    /// The path is too long; both lengths are in bytes.
-    #[error("the path has {length} bytes, and a socket path at most {max}")]
-    PathTooLong { length: usize, max: usize },
-    /// A running program listens there.
-    #[error("another program listens there")]
-    InUse,
-    /// Any other cause.
-    #[error("{0}")]
-    Other(String),
-}
 
 impl SocketError {
     fn other(reason: impl fmt::Display) -> Self {

@@ -5,25 +5,9 @@ use std::io;
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 
-const REASON: &str = "it needs Linux";
+use super::SocketError;
 
-/// A failure to create a socket.
-#[derive(Debug, thiserror::Error)]
-#[expect(
-    dead_code,
-    reason = "a socket that cannot exist is neither in use nor too long"
-)]
-pub(crate) enum SocketError {
-    /// The path is too long; both lengths are in bytes.
-    #[error("the path has {length} bytes, and a socket path at most {max}")]
-    PathTooLong { length: usize, max: usize },
-    /// A running program listens there.
-    #[error("another program listens there")]
-    InUse,
-    /// Any other cause.
-    #[error("{0}")]
-    Other(String),
-}
+const REASON: &str = "it needs Linux";
 
 /// A stream type for signatures; no connection exists.
 pub(crate) type Stream = TcpStream;

@@ -16,6 +16,7 @@ use interprocess::os::windows::security_descriptor::SecurityDescriptor;
 use widestring::{U16CStr, u16cstr};
 
 pub(crate) use self::stream::Stream;
+use super::SocketError;
 
 /// Start of the path of each pipe of this machine.
 const PREFIX: &str = r"\\.\pipe\";
@@ -47,20 +48,6 @@ const OVERLAPPED: u32 = 0x4000_0000;
 
 /// `SECURITY_IDENTIFICATION`: the server cannot act in the name of a client.
 const IDENTIFICATION: u32 = 0x0001_0000;
-
-/// A failure to create a pipe. The messages contain the cause; the remedy depends on the purpose of the pipe.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum SocketError {
-    /// The path is too long; both lengths are in characters.
-    #[error("the path has {length} characters, and the path of a pipe at most {max}")]
-    PathTooLong { length: usize, max: usize },
-    /// A running program listens there.
-    #[error("another program listens there")]
-    InUse,
-    /// Any other cause.
-    #[error("{0}")]
-    Other(String),
-}
 
 impl From<io::Error> for SocketError {
     fn from(error: io::Error) -> Self {
