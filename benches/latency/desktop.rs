@@ -55,7 +55,7 @@ pub fn output() -> Option<Output> {
     };
     let ours = |key: &str| -> Box<dyn Writer> {
         let required = Capabilities::default();
-        let desktop = Desktop::open_with_watchdog(Some(&display), &watchdog, &required);
+        let desktop = Desktop::open_with_watchdog(Some(&display), Some(&watchdog), &required);
         Box::new(Ours {
             desktop: desktop.expect("the server answers"),
             key: key.parse().expect("a key"),

@@ -131,23 +131,19 @@ impl Desktop {
     /// server of `DISPLAY`. A compositor must support `required`; an X server supports everything that
     /// [`BACKEND`] does. Windows and macOS ignore the name.
     pub fn open(display: Option<&str>, required: &Capabilities) -> Result<Self, OutputError> {
-        let display = display.map(str::to_owned);
-        let needs_pointer = required.iter().any(needs_pointer);
-        Self::start(None, MAX_PRESS_AGE, move || {
-            connect(display.as_deref(), needs_pointer)
-        })
+        Self::open_with_watchdog(display, None, required)
     }
 
-    /// Connects to `display` as [`open`](Self::open) does, and starts a watchdog, which releases keys if this process cannot. The command
-    /// of the watchdog has to connect to the same display.
+    /// Connects to `display` as [`open`](Self::open) does, and starts the watchdog, if there is one, which releases keys if this process
+    /// cannot. The command of the watchdog has to connect to the same display.
     pub fn open_with_watchdog(
         display: Option<&str>,
-        watchdog: &WatchdogSettings,
+        watchdog: Option<&WatchdogSettings>,
         required: &Capabilities,
     ) -> Result<Self, OutputError> {
         let display = display.map(str::to_owned);
         let needs_pointer = required.iter().any(needs_pointer);
-        Self::start(Some(watchdog), MAX_PRESS_AGE, move || {
+        Self::start(watchdog, MAX_PRESS_AGE, move || {
             connect(display.as_deref(), needs_pointer)
         })
     }
@@ -474,10 +470,8 @@ fn capabilities() -> Capabilities {
 
 /// Opens the output for the desktop of the session.
 fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
-    Ok(Box::new(match request.watchdog {
-        Some(watchdog) => Desktop::open_with_watchdog(None, watchdog, request.required)?,
-        None => Desktop::open(None, request.required)?,
-    }))
+    let opened = Desktop::open_with_watchdog(None, request.watchdog, request.required)?;
+    Ok(Box::new(opened))
 }
 
 fn needs_pointer(capability: Capability) -> bool {

@@ -60,17 +60,6 @@ impl Uinput {
             |spec: &DeviceSpec| UinputNode::create(&format!("{name} {}", spec.kind.name()), spec);
         Self::with_nodes(required, node).map_err(|error| open_error(open_message(&error)))
     }
-
-    /// Creates the devices and starts a watchdog, which releases keys and centers axes if this process cannot.
-    pub fn open_with_watchdog(
-        name: &str,
-        required: &Capabilities,
-        watchdog: &WatchdogSettings,
-    ) -> Result<Self, OutputError> {
-        let mut uinput = Self::open(name, required)?;
-        uinput.start_watchdog(watchdog).map_err(open_error)?;
-        Ok(uinput)
-    }
 }
 
 impl<N: DeviceNode> Uinput<N> {
@@ -269,13 +258,13 @@ impl<N: DeviceNode> Drop for Uinput<N> {
     }
 }
 
-/// Opens the output.
+/// Opens the output, with a watchdog, if there is one, that releases keys and centers axes if this process cannot.
 pub fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
-    const NAME: &str = "Ademan";
-    Ok(Box::new(match request.watchdog {
-        Some(watchdog) => Uinput::open_with_watchdog(NAME, request.required, watchdog)?,
-        None => Uinput::open(NAME, request.required)?,
-    }))
+    let mut uinput = Uinput::open("Ademan", request.required)?;
+    if let Some(watchdog) = request.watchdog {
+        uinput.start_watchdog(watchdog).map_err(open_error)?;
+    }
+    Ok(Box::new(uinput))
 }
 
 /// Returns `true` if an error of opening `/dev/uinput` means that it does not exist or has no driver.
