@@ -54,14 +54,8 @@ impl LoadedSetup {
         noise: f64,
         seed: u64,
     ) -> Result<SimulatedTypist, SetupError> {
-        let settings = TypistSettings {
-            name: format!("typist:{text}"),
-            packet_period: format.packet_period(),
-            noise,
-            seed,
-            person: self.simulated_person.clone(),
-            keys: TypingKeys::new(&self.layout),
-        };
+        let name = format!("typist:{text}");
+        let settings = self.typist_settings(name, format.packet_period(), noise, seed);
         let kind = self.simulated_kind(self.layout.follows_body());
         self.typist_with(text, &settings, kind)
     }
@@ -74,14 +68,8 @@ impl LoadedSetup {
         noise: f64,
         seed: u64,
     ) -> Result<SimulatedStream, SetupError> {
-        let settings = TypistSettings {
-            name: format!("typist:{text}{format}"),
-            packet_period: sim::packet_period(format),
-            noise,
-            seed,
-            person: self.simulated_person.clone(),
-            keys: TypingKeys::new(&self.layout),
-        };
+        let name = format!("typist:{text}{format}");
+        let settings = self.typist_settings(name, sim::packet_period(format), noise, seed);
         let typist = self.typist_with(text, &settings, format.protocol.sample)?;
         SimulatedStream::new(typist, format).map_err(|reason| {
             let name = escape(&settings.name);
@@ -153,14 +141,8 @@ impl LoadedSetup {
         noise: f64,
         seed: u64,
     ) -> Result<Result<SimulatedTypist, TypistError>, SetupError> {
-        let settings = TypistSettings {
-            name: format!("script:{}", script.file()),
-            packet_period: format.packet_period(),
-            noise,
-            seed,
-            person: self.simulated_person.clone(),
-            keys: TypingKeys::new(&self.layout),
-        };
+        let name = format!("script:{}", script.file());
+        let settings = self.typist_settings(name, format.packet_period(), noise, seed);
         let hands = self.hands(self.scripted_kind())?;
         let hands = borrowed(&hands);
         let scene = &self.layout.scene;
@@ -212,11 +194,22 @@ impl LoadedSetup {
     }
 
     fn live_settings(&self, packet_period: Duration, noise: f64) -> TypistSettings {
+        self.typist_settings(SIMULATED_HAND.to_owned(), packet_period, noise, 0)
+    }
+
+    /// Returns the settings of the simulated person on the active layout.
+    fn typist_settings(
+        &self,
+        name: String,
+        packet_period: Duration,
+        noise: f64,
+        seed: u64,
+    ) -> TypistSettings {
         TypistSettings {
-            name: SIMULATED_HAND.to_owned(),
+            name,
             packet_period,
             noise,
-            seed: 0,
+            seed,
             person: self.simulated_person.clone(),
             keys: TypingKeys::new(&self.layout),
         }
