@@ -29,9 +29,7 @@ fn correction(time: u64, text: &str) -> Vec<OutputEvent> {
 
 #[test]
 fn a_correction_is_executed_entirely_or_not_at_all() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    drop(gate);
+    let (display, mut sink) = open_responding();
     sink.send(&correction(1, "ok")).unwrap();
     direct::wait_until_idle(&sink);
     let expected = ["type +Backspace-Backspace+Backspace-Backspaceok"];
@@ -51,9 +49,7 @@ fn a_correction_that_becomes_void_while_the_display_does_not_respond_deletes_not
 
 #[test]
 fn a_key_behind_a_text_that_cannot_be_typed_is_not_sent() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    drop(gate);
+    let (display, mut sink) = open_responding();
     sink.send(&characters(1, "é")).unwrap();
     sink.send(&tap(2, "Enter")).unwrap();
     sink.send(&tap(3, "Enter")).unwrap();
@@ -64,8 +60,7 @@ fn a_key_behind_a_text_that_cannot_be_typed_is_not_sent() {
 
 #[test]
 fn the_keys_of_a_burst_that_failed_are_released_at_the_end() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     display.0.lock().unwrap().failures = 1;
     sink.send(&[tap(1, "Backspace"), tap(1, "A")].concat())
         .unwrap();
@@ -76,9 +71,7 @@ fn the_keys_of_a_burst_that_failed_are_released_at_the_end() {
 
 /// Opens a sink that has typed in the first window.
 fn open_in_a_window() -> (TestDisplay, Desktop) {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    drop(gate);
+    let (display, mut sink) = open_responding();
     display.0.lock().unwrap().focus = Some(1);
     sink.send(&characters(1, "a")).unwrap();
     direct::wait_until_idle(&sink);
@@ -162,9 +155,7 @@ fn an_idle_thread_notices_a_press_of_another_device() {
 #[test]
 fn other_devices_are_watched_only_for_a_decoder_whose_keys_the_output_types() {
     let is_watched = |is_followed: bool, typed: &[OutputEvent]| {
-        let display = TestDisplay::default();
-        let (mut sink, gate) = display.open();
-        drop(gate);
+        let (display, mut sink) = open_responding();
         display.0.lock().unwrap().has_foreign_press = true;
         if is_followed {
             sink.text_field();
@@ -182,9 +173,7 @@ fn other_devices_are_watched_only_for_a_decoder_whose_keys_the_output_types() {
 
 #[test]
 fn a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    drop(gate);
+    let (display, mut sink) = open_responding();
     let texts = [
         characters(1, "abc"),
         characters(2, "aéc"),
@@ -203,8 +192,7 @@ fn a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure() {
 
 #[test]
 fn a_text_without_room_in_the_queue_is_dropped_entirely() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     let text = "x".repeat(QUEUE / 8);
     for time in 0..8 {
         sink.send(&characters(time, &text)).unwrap();
@@ -219,8 +207,7 @@ fn a_text_without_room_in_the_queue_is_dropped_entirely() {
 
 #[test]
 fn a_failed_character_is_not_repeated() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     display.0.lock().unwrap().failures = 1;
     sink.send(&[event(1, EventKind::Character('a'))]).unwrap();
     drop(gate);

@@ -186,10 +186,23 @@ impl Injector for Connection {
     }
 }
 
+/// Opens a sink on a new display whose connection blocks until the gate is dropped.
+fn open_gated() -> (TestDisplay, Desktop, Sender<()>) {
+    let display = TestDisplay::default();
+    let (sink, gate) = display.open();
+    (display, sink, gate)
+}
+
+/// Opens a sink on a new display whose connection never blocks.
+fn open_responding() -> (TestDisplay, Desktop) {
+    let (display, sink, gate) = open_gated();
+    drop(gate);
+    (display, sink)
+}
+
 #[test]
 fn closing_sends_the_queue_and_releases_keys_modifiers_last() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     sink.send(&[down(1, "ShiftLeft"), down(1, "A"), up(1, "B")])
         .unwrap();
     sink.send(&[up(2, "A"), down(2, "C")]).unwrap();
@@ -207,9 +220,7 @@ fn closing_sends_the_queue_and_releases_keys_modifiers_last() {
 
 #[test]
 fn a_panic_of_the_owner_releases_all_keys() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    drop(gate);
+    let (display, mut sink) = open_responding();
     let owner = thread::spawn(move || {
         sink.send(&[down(1, "A")]).unwrap();
         panic!("meant to happen");
@@ -220,9 +231,7 @@ fn a_panic_of_the_owner_releases_all_keys() {
 
 #[test]
 fn a_full_queue_drops_presses_but_no_release() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    drop(gate);
+    let (display, mut sink) = open_responding();
     sink.send(&[down(0, "ShiftLeft")]).unwrap();
     display.wait_for_lines(1);
     display.set_blocked(true);
@@ -246,8 +255,7 @@ fn queue_a_press(sink: &mut Desktop) {
 
 #[test]
 fn void_presses_and_their_releases_are_not_sent_and_later_presses_are() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     sink.send(&[event(1, EventKind::MoveBy(1, 0))]).unwrap();
     wait_until("an action", || display.0.lock().unwrap().actions > 0);
     queue_a_press(&mut sink);
@@ -277,8 +285,7 @@ fn a_press_that_has_waited_too_long_is_not_sent() {
 /// Makes events void while the display does not respond, checks that it executes none of them, and returns the number of dropped
 /// presses.
 fn void_while_the_display_does_not_respond(events: &[OutputEvent]) -> u64 {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     sink.send(events).unwrap();
     wait_until("a worker that waits", || {
         display.0.lock().unwrap().waits > 0
@@ -297,8 +304,7 @@ fn a_press_is_not_sent_if_it_becomes_void_while_the_display_does_not_respond() {
 
 #[test]
 fn neither_sending_nor_closing_waits_for_a_display_that_hangs() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     sink.send(&[down(1, "A")]).unwrap();
     let error = sink.close().unwrap_err();
     assert!(
@@ -312,8 +318,7 @@ fn neither_sending_nor_closing_waits_for_a_display_that_hangs() {
 
 #[test]
 fn a_call_that_fails_three_times_is_repeated() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     display.0.lock().unwrap().failures = RETRIES;
     sink.send(&[down(1, "A")]).unwrap();
     drop(gate);
@@ -323,8 +328,7 @@ fn a_call_that_fails_three_times_is_repeated() {
 
 #[test]
 fn after_a_failure_nothing_is_pressed_and_keys_that_may_be_pressed_are_released() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     display.0.lock().unwrap().failures = 1 + RETRIES;
     sink.send(&[down(1, "A"), down(2, "B")]).unwrap();
     drop(gate);
@@ -336,9 +340,7 @@ fn after_a_failure_nothing_is_pressed_and_keys_that_may_be_pressed_are_released(
 
 #[test]
 fn keys_are_released_on_a_new_connection_if_the_first_is_lost() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    drop(gate);
+    let (display, mut sink) = open_responding();
     sink.send(&[down(1, "A")]).unwrap();
     display.wait_for_lines(1);
     display.0.lock().unwrap().is_first_connection_broken = true;
@@ -349,9 +351,7 @@ fn keys_are_released_on_a_new_connection_if_the_first_is_lost() {
 
 #[test]
 fn keys_that_cannot_be_released_are_named() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    drop(gate);
+    let (display, mut sink) = open_responding();
     sink.send(&[down(1, "ShiftLeft"), down(1, "A")]).unwrap();
     display.wait_for_lines(2);
     let mut state = display.0.lock().unwrap();
@@ -364,9 +364,7 @@ fn keys_that_cannot_be_released_are_named() {
 
 #[test]
 fn pointer_wheel_characters_and_buttons_stay_in_order() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    drop(gate);
+    let (display, mut sink) = open_responding();
     let events = [
         event(1, EventKind::MoveTo(0.5, 0.25)),
         down(1, "MouseLeft"),
@@ -395,9 +393,7 @@ fn pointer_wheel_characters_and_buttons_stay_in_order() {
 
 #[test]
 fn a_full_queue_coalesces_motion_and_drops_no_release() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    drop(gate);
+    let (display, mut sink) = open_responding();
     let keys: Vec<_> = KeyCode::all().collect();
     for (index, key) in keys.iter().enumerate() {
         sink.send(&[event(0, EventKind::KeyDown(*key))]).unwrap();
@@ -431,8 +427,7 @@ fn the_wheel_does_not_turn_if_that_becomes_void_while_the_display_does_not_respo
 
 #[test]
 fn motion_without_room_in_the_queue_is_not_sent_after_a_pause() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     for _ in 0..2 * QUEUE {
         sink.send(&[event(0, EventKind::MoveBy(1, 0))]).unwrap();
     }
@@ -448,8 +443,7 @@ fn motion_without_room_in_the_queue_is_not_sent_after_a_pause() {
 
 #[test]
 fn a_panic_of_the_connection_releases_all_keys() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
+    let (display, mut sink, gate) = open_gated();
     sink.send(&[
         down(1, "A"),
         down(1, "MouseLeft"),
