@@ -40,22 +40,25 @@ impl Recorder {
     fn fail(&self, count: usize) {
         self.0.lock().unwrap().failures = count;
     }
+}
 
-    fn devices(&self, required: &[Capability]) -> Uinput<RecordedNode> {
-        let required = required.iter().copied().collect();
-        let node = |spec: &DeviceSpec| {
-            Ok(RecordedNode {
-                recorder: self.clone(),
-                name: spec.kind.name(),
-            })
-        };
-        Uinput::with_nodes(&required, node).unwrap()
-    }
+/// Creates devices and the recorder of their reports.
+fn devices(required: &[Capability]) -> (Recorder, Uinput<RecordedNode>) {
+    let recorder = Recorder::default();
+    let required = required.iter().copied().collect();
+    let node = |spec: &DeviceSpec| {
+        Ok(RecordedNode {
+            recorder: recorder.clone(),
+            name: spec.kind.name(),
+        })
+    };
+    let uinput = Uinput::with_nodes(&required, node).unwrap();
+    (recorder, uinput)
+}
 
-    fn keyboard(&self, keys: &[&str]) -> Uinput<RecordedNode> {
-        let keys: Vec<_> = keys.iter().map(|name| code(name)).collect();
-        self.devices(&keys)
-    }
+fn keyboard(keys: &[&str]) -> (Recorder, Uinput<RecordedNode>) {
+    let keys: Vec<_> = keys.iter().map(|name| code(name)).collect();
+    devices(&keys)
 }
 
 impl DeviceNode for RecordedNode {
@@ -86,8 +89,7 @@ fn code(name: &str) -> Capability {
 
 #[test]
 fn a_step_is_one_report_and_a_key_that_is_not_required_is_dropped() {
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["ShiftLeft", "A"]);
+    let (recorder, mut keyboard) = keyboard(&["ShiftLeft", "A"]);
     keyboard
         .send(&[down(1, "ShiftLeft"), down(1, "A"), down(1, "MetaLeft")])
         .unwrap();
@@ -102,8 +104,7 @@ fn a_step_is_one_report_and_a_key_that_is_not_required_is_dropped() {
 
 #[test]
 fn each_device_receives_its_part_of_a_step_in_order() {
-    let recorder = Recorder::default();
-    let mut devices = recorder.devices(&[
+    let (recorder, mut devices) = devices(&[
         code("A"),
         code("MouseLeft"),
         code("PadEast"),
@@ -140,8 +141,7 @@ fn each_device_receives_its_part_of_a_step_in_order() {
 
 #[test]
 fn a_button_is_pressed_on_the_device_that_moved_last_and_released_there() {
-    let recorder = Recorder::default();
-    let mut devices = recorder.devices(&[
+    let (recorder, mut devices) = devices(&[
         code("MouseLeft"),
         Capability::RelativeMotion,
         Capability::AbsoluteMotion,
@@ -168,8 +168,7 @@ fn a_button_is_pressed_on_the_device_that_moved_last_and_released_there() {
 
 #[test]
 fn a_click_of_one_step_is_two_reports() {
-    let recorder = Recorder::default();
-    let mut mouse = recorder.devices(&[
+    let (recorder, mut mouse) = devices(&[
         code("MouseLeft"),
         code("MouseRight"),
         Capability::RelativeMotion,
@@ -192,8 +191,7 @@ fn a_click_of_one_step_is_two_reports() {
 
 #[test]
 fn the_wheel_reports_high_resolution_rotation_and_completed_detents() {
-    let recorder = Recorder::default();
-    let mut mouse = recorder.devices(&[Capability::Scroll]);
+    let (recorder, mut mouse) = devices(&[Capability::Scroll]);
     for (x, y) in [(0, 60), (0, 90), (-240, 0), (0, -150)] {
         mouse.send(&[event(1, EventKind::Scroll(x, y))]).unwrap();
     }
@@ -208,9 +206,8 @@ fn the_wheel_reports_high_resolution_rotation_and_completed_detents() {
 
 #[test]
 fn nan_and_events_that_are_not_required_are_ignored() {
-    let recorder = Recorder::default();
-    let mut devices =
-        recorder.devices(&[Capability::AbsoluteMotion, Capability::Axis(Axis::LeftX)]);
+    let (recorder, mut devices) =
+        devices(&[Capability::AbsoluteMotion, Capability::Axis(Axis::LeftX)]);
     let events = [
         event(1, EventKind::MoveTo(f32::NAN, 0.5)),
         event(1, EventKind::MoveBy(5, 5)),
@@ -226,8 +223,7 @@ fn nan_and_events_that_are_not_required_are_ignored() {
 
 #[test]
 fn closing_and_dropping_release_keys_modifiers_last() {
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["ShiftLeft", "A", "B"]);
+    let (recorder, mut keyboard) = keyboard(&["ShiftLeft", "A", "B"]);
     keyboard
         .send(&[down(1, "ShiftLeft"), down(1, "A"), down(1, "B")])
         .unwrap();
@@ -245,8 +241,7 @@ fn closing_and_dropping_release_keys_modifiers_last() {
 
 #[test]
 fn a_report_is_tried_four_times_and_a_failed_release_is_repeated_on_closing() {
-    let recorder = Recorder::default();
-    let mut pad = recorder.devices(&[code("PadSouth"), Capability::Axis(Axis::LeftX)]);
+    let (recorder, mut pad) = devices(&[code("PadSouth"), Capability::Axis(Axis::LeftX)]);
     let stick = |value| event(1, EventKind::Axis(Axis::LeftX, value));
     recorder.fail(3);
     pad.send(&[down(1, "PadSouth"), stick(-1.0)]).unwrap();
@@ -263,8 +258,7 @@ fn a_report_is_tried_four_times_and_a_failed_release_is_repeated_on_closing() {
 
 #[test]
 fn a_failed_press_is_released_as_it_may_have_arrived() {
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["A"]);
+    let (recorder, mut keyboard) = keyboard(&["A"]);
     recorder.fail(4);
     keyboard.send(&[down(1, "A")]).unwrap_err();
     keyboard.close().unwrap();
@@ -273,8 +267,7 @@ fn a_failed_press_is_released_as_it_may_have_arrived() {
 
 #[test]
 fn a_failed_device_does_not_keep_releases_from_the_others() {
-    let recorder = Recorder::default();
-    let mut devices = recorder.devices(&[code("A"), code("PadSouth")]);
+    let (recorder, mut devices) = devices(&[code("A"), code("PadSouth")]);
     devices.send(&[down(1, "A"), down(1, "PadSouth")]).unwrap();
     recorder.reports();
     recorder.fail(4);
@@ -286,8 +279,7 @@ fn a_failed_device_does_not_keep_releases_from_the_others() {
 
 #[test]
 fn a_device_that_fails_during_a_step_does_not_keep_the_release_from_another() {
-    let recorder = Recorder::default();
-    let mut devices = recorder.devices(&[
+    let (recorder, mut devices) = devices(&[
         code("MouseLeft"),
         Capability::RelativeMotion,
         Capability::AbsoluteMotion,
@@ -305,8 +297,7 @@ fn a_device_that_fails_during_a_step_does_not_keep_the_release_from_another() {
 
 #[test]
 fn a_modifier_key_goes_down_before_a_button_and_comes_up_after_it() {
-    let recorder = Recorder::default();
-    let mut devices = recorder.devices(&[code("ControlLeft"), code("MouseLeft")]);
+    let (recorder, mut devices) = devices(&[code("ControlLeft"), code("MouseLeft")]);
     let press = [down(1, "ControlLeft"), down(1, "MouseLeft")];
     devices.send(&press).unwrap();
     devices
@@ -326,8 +317,7 @@ fn a_modifier_key_goes_down_before_a_button_and_comes_up_after_it() {
 
 #[test]
 fn a_long_step_arrives_complete() {
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["A"]);
+    let (recorder, mut keyboard) = keyboard(&["A"]);
     let events: Vec<_> = (0..500).flat_map(|_| [down(1, "A"), up(1, "A")]).collect();
     keyboard.send(&events).unwrap();
     let reports = recorder.reports().join(" ");

@@ -56,6 +56,13 @@ impl RecordedWatchdog {
         }
     }
 
+    /// Creates a keyboard that reports to this watchdog.
+    fn keyboard(&self, keys: &[&str]) -> (Recorder, Uinput<RecordedNode>) {
+        let (recorder, mut uinput) = keyboard(keys);
+        uinput.start_watchdog(&self.settings()).unwrap();
+        (recorder, uinput)
+    }
+
     fn path(&self) -> PathBuf {
         self.folder.path().join("messages")
     }
@@ -97,8 +104,7 @@ impl RecordedWatchdog {
 #[test]
 fn presses_are_reported_to_the_watchdog_before_and_releases_after_they_are_sent() {
     let watchdog = RecordedWatchdog::new();
-    let recorder = Recorder::default();
-    let mut devices = recorder.devices(&[code("A"), Capability::Axis(Axis::LeftX)]);
+    let (recorder, mut devices) = devices(&[code("A"), Capability::Axis(Axis::LeftX)]);
     devices.start_watchdog(&watchdog.settings()).unwrap();
     let stick = |value| event(1, EventKind::Axis(Axis::LeftX, value));
     devices.send(&[down(1, "A"), down(1, "Z")]).unwrap();
@@ -123,9 +129,7 @@ fn presses_are_reported_to_the_watchdog_before_and_releases_after_they_are_sent(
 #[test]
 fn when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_restarted() {
     let watchdog = RecordedWatchdog::new();
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["A", "B"]);
-    keyboard.start_watchdog(&watchdog.settings()).unwrap();
+    let (recorder, mut keyboard) = watchdog.keyboard(&["A", "B"]);
     wait_until("watchdog", || watchdog.is_ready());
     keyboard.send(&[down(1, "A")]).unwrap();
     watchdog.kill();
@@ -167,9 +171,7 @@ fn when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_
 #[test]
 fn a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released() {
     let watchdog = RecordedWatchdog::mute();
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["A"]);
-    keyboard.start_watchdog(&watchdog.settings()).unwrap();
+    let (recorder, mut keyboard) = watchdog.keyboard(&["A"]);
     wait_until("watchdog", || watchdog.is_ready());
     keyboard.send(&[down(1, "A")]).unwrap();
     fs::remove_file(watchdog.process_path()).unwrap();
@@ -189,9 +191,7 @@ fn a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released() {
 #[test]
 fn a_watchdog_that_is_lost_while_nothing_is_pressed_is_replaced() {
     let watchdog = RecordedWatchdog::mute();
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["A"]);
-    keyboard.start_watchdog(&watchdog.settings()).unwrap();
+    let (_, mut keyboard) = watchdog.keyboard(&["A"]);
     wait_until("loss", || {
         keyboard.send(&[]).unwrap();
         watchdog.losses.load(Ordering::Relaxed) == 1
@@ -206,8 +206,7 @@ fn a_restart_that_panics_is_an_error_of_the_output() {
     }
 
     let watchdog = RecordedWatchdog::new();
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["A"]);
+    let (_, mut keyboard) = keyboard(&["A"]);
     let settings = WatchdogSettings {
         on_lost: Arc::new(panic_when_lost),
         ..watchdog.settings()
@@ -230,9 +229,7 @@ fn a_restart_that_panics_is_an_error_of_the_output() {
 #[test]
 fn no_key_is_pressed_beside_one_that_the_watchdog_may_have_released() {
     let watchdog = RecordedWatchdog::new();
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["ControlLeft", "W"]);
-    keyboard.start_watchdog(&watchdog.settings()).unwrap();
+    let (recorder, mut keyboard) = watchdog.keyboard(&["ControlLeft", "W"]);
     keyboard.send(&[down(1, "ControlLeft")]).unwrap();
     // As while the process is stopped.
     sleep(MAX_REPLY_AGE);
