@@ -424,14 +424,14 @@ fn without_folders(path: &str) -> String {
     name.map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into())
 }
 
-/// Returns a receiver of notices that also adds them to the views.
-fn show_in_views(mut on_notice: Option<NoticeReceiver>, hub: ViewHub) -> Option<NoticeReceiver> {
-    Some(Box::new(move |notice: Notice| {
+/// Returns a receiver of notices that adds them to the views, and passes them to `on_notice`.
+fn show_in_views(mut on_notice: Option<NoticeReceiver>, hub: ViewHub) -> NoticeReceiver {
+    Box::new(move |notice: Notice| {
         hub.show_message(notice.to_string());
         if let Some(on_notice) = &mut on_notice {
             on_notice(notice);
         }
-    }))
+    })
 }
 
 fn start_layout_manager(

@@ -6,9 +6,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use crossbeam_channel::{Receiver, Sender, bounded, never};
+use crossbeam_channel::{Receiver, Sender, bounded};
 
 use super::notice::Notice;
+use super::options::NoticeReceiver;
 
 /// Maximum number of notices that wait for the user's receiver.
 const QUEUE_LENGTH: usize = 64;
@@ -41,19 +42,13 @@ pub(super) struct NoticeThread {
 }
 
 impl NoticeThread {
-    /// Starts the thread. Without a receiver all notices are dropped.
-    pub fn start(on_notice: Option<Box<dyn FnMut(Notice) + Send>>) -> io::Result<Self> {
+    /// Starts the thread, which calls the receiver with each notice.
+    pub fn start(mut on_notice: NoticeReceiver) -> io::Result<Self> {
         let (sender, notices) = bounded::<Option<Notice>>(QUEUE_LENGTH);
         let missed = Arc::new(AtomicU64::new(0));
         let sender = NoticeSender {
             sender,
             missed: missed.clone(),
-        };
-        let Some(mut on_notice) = on_notice else {
-            return Ok(Self {
-                sender,
-                finished: never(),
-            });
         };
         let (finish, finished) = bounded::<()>(0);
         thread::Builder::new()
