@@ -209,19 +209,18 @@ impl<'a> Machine<'a> {
         UinputFacts {
             node,
             is_loaded: self.at("/sys/class/misc/uinput").exists(),
-            can_be_loaded: self.has_module("uinput"),
+            can_be_loaded: self.has_uinput_module(),
         }
     }
 
-    /// Returns `true` if the running kernel has a module; `None` if its files are not visible.
-    fn has_module(&self, name: &str) -> Option<bool> {
+    /// Returns `true` if the running kernel has the module `uinput`; `None` if its files are not visible.
+    fn has_uinput_module(&self) -> Option<bool> {
         let release = fs::read_to_string(self.at("/proc/sys/kernel/osrelease")).ok()?;
         let dir = self.at("/lib/modules").join(release.trim_end());
         let list = |file: &str| fs::read_to_string(dir.join(file)).ok();
-        let lists = [list("modules.dep"), list("modules.builtin")];
-        let has = |text: &String| text.contains(&format!("/{name}.ko"));
-        lists[0].as_ref()?;
-        Some(lists.iter().flatten().any(has))
+        let loadable = list("modules.dep")?;
+        let built_in = list("modules.builtin").unwrap_or_default();
+        Some(loadable.contains("/uinput.ko") || built_in.contains("/uinput.ko"))
     }
 
     fn display(&self, name: Option<&str>) -> XDisplay {
