@@ -286,34 +286,28 @@ mod tests {
         args: Args,
     }
 
+    /// Loads the setup of these arguments. The options name a source if a simulated hand is the source.
+    fn load_arguments(arguments: &[&str]) -> (Loaded, SessionOptions) {
+        let line = CommandLine::try_parse_from(["studio"].iter().chain(arguments));
+        let mut options = SessionOptions::default();
+        let loaded = load(line.expect("known flags").args, &mut options);
+        (loaded.expect("a setup"), options)
+    }
+
     #[test]
     fn the_person_of_the_command_line_has_the_simulated_hand_and_the_reach() {
-        let load = |line: &[&str]| {
-            let line = CommandLine::try_parse_from(line).expect("the flag is known");
-            let mut options = SessionOptions::default();
-            let loaded = load(line.args, &mut options);
-            loaded.expect("a person that comes with the program").setup
-        };
-        let small = load(&[
-            "studio",
-            "--layout",
-            "chords-bend",
-            "--person",
-            "left-small",
-        ]);
+        let load = |arguments: &[&str]| load_arguments(arguments).0.setup;
+        let small = load(&["--layout", "chords-bend", "--person", "left-small"]);
         assert_eq!(small.arm.side(), Side::Left);
         assert_eq!(small.simulated_person.side, Some(Side::Left));
         let reach = |setup: &LoadedSetup| setup.arm.reach().expect("a reach").length;
-        let usual = load(&["studio", "--layout", "chords-bend"]);
+        let usual = load(&["--layout", "chords-bend"]);
         assert!(reach(&small) < reach(&usual));
     }
 
     #[test]
     fn a_layout_for_two_hands_is_played_by_two() {
-        let line = ["studio", "--layout", "qwerty-two-flat"];
-        let line = CommandLine::try_parse_from(line).expect("the flag is known");
-        let mut options = SessionOptions::default();
-        let loaded = load(line.args, &mut options).expect("a layout that comes with the program");
+        let (loaded, _) = load_arguments(&["--layout", "qwerty-two-flat"]);
         let other = loaded.setup.other_hand.expect("a second hand");
         assert_eq!(other.arm.side(), Side::Left);
         assert!(loaded.hand.is_some());
@@ -327,33 +321,18 @@ mod tests {
         std::fs::write(&path, text).expect("a write");
         let role_of = |source: &str| {
             let path = path.to_str().expect("a path");
-            let line = CommandLine::try_parse_from(["studio", path, "--source", source]);
-            let mut options = SessionOptions::default();
-            let loaded = load(line.expect("the flag is known").args, &mut options);
-            loaded.expect("a setup").base.role
+            load_arguments(&[path, "--source", source]).0.base.role
         };
         assert_eq!(role_of("tcp:192.168.1.8:4001"), None);
         assert_eq!(role_of("tcp:192.168.1.7:4001"), Some(SourceRole::Both));
-
-        let stated = [
-            "studio",
-            "--source",
-            "tcp:192.168.1.8:4001",
-            "--role",
-            "both",
-        ];
-        let stated_line = CommandLine::try_parse_from(stated).expect("the flags are known");
-        let mut options = SessionOptions::default();
-        let loaded = load(stated_line.args, &mut options).expect("a source");
+        let stated = ["--source", "tcp:192.168.1.8:4001", "--role", "both"];
+        let (loaded, _) = load_arguments(&stated);
         assert_eq!(loaded.base.role, Some(SourceRole::Both));
     }
 
     #[test]
     fn the_glove_of_the_command_line_replaces_that_of_the_setup() {
-        let line = ["studio", "--glove", "lucidgloves-left"];
-        let line = CommandLine::try_parse_from(line).expect("the flag is known");
-        let mut options = SessionOptions::default();
-        let loaded = load(line.args, &mut options).expect("a glove that comes with the program");
+        let (loaded, options) = load_arguments(&["--glove", "lucidgloves-left"]);
         let glove = loaded.setup.glove.expect("the glove");
         assert_eq!((glove.side, glove.map.full_scale()), (Side::Left, 4095));
         assert!(options.source.is_some(), "a simulated hand wears it");
