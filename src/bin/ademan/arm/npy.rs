@@ -173,51 +173,22 @@ mod tests {
         }
         let one = array(1, &header("<f4", "False", "(1, 3)"), &single);
         assert_eq!(read(one).unwrap(), ["[[1.5,-2.0,0.25]]"]);
+        for (descr, order, shape, reason) in [
+            (">f8", "False", "(1, 3)", "'>f8'; save"),
+            ("<i8", "False", "(1, 3)", "'<i8'; save"),
+            ("|O", "False", "(1, 3)", "save `float32`"),
+            ("<f8", "True", "(1, 3)", "ascontiguousarray"),
+            ("<f8", "False", "(3,)", "not 1 dimensions"),
+            ("<f8", "False", "(1, 4)", "not complete"),
+            ("<f8", "False", "(1, 2)", "after the last"),
+            ("<f8", "False", "(99999999999, 99999999999)", "more than"),
+            ("<f8", "False", "(33, 99)", "landmarks of 99 numbers"),
+            ("<f8", "False", "(-1, 3)", "no `shape`"),
+        ] {
+            let error = read(array(1, &header(descr, order, shape), &double)).unwrap_err();
+            assert!(error.contains(reason), "{reason}: {error}");
+        }
         for (bytes, reason) in [
-            (
-                array(1, &header(">f8", "False", "(1, 3)"), &double),
-                "'>f8'; save",
-            ),
-            (
-                array(1, &header("<i8", "False", "(1, 3)"), &double),
-                "'<i8'; save",
-            ),
-            (
-                array(1, &header("|O", "False", "(1, 3)"), &double),
-                "save `float32`",
-            ),
-            (
-                array(1, &header("<f8", "True", "(1, 3)"), &double),
-                "ascontiguousarray",
-            ),
-            (
-                array(1, &header("<f8", "False", "(3,)"), &double),
-                "not 1 dimensions",
-            ),
-            (
-                array(1, &header("<f8", "False", "(1, 4)"), &double),
-                "not complete",
-            ),
-            (
-                array(1, &header("<f8", "False", "(1, 2)"), &double),
-                "after the last",
-            ),
-            (
-                array(
-                    1,
-                    &header("<f8", "False", "(99999999999, 99999999999)"),
-                    &double,
-                ),
-                "more than",
-            ),
-            (
-                array(1, &header("<f8", "False", "(33, 99)"), &double),
-                "landmarks of 99 numbers",
-            ),
-            (
-                array(1, &header("<f8", "False", "(-1, 3)"), &double),
-                "no `shape`",
-            ),
             (array(1, "{}", &double), "no `descr`"),
             (array(9, "{}", &double), "format 9"),
             (vec![1], "not complete"),
