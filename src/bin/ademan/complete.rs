@@ -6,8 +6,8 @@ use std::path::Path;
 use ademan::capture::recognition::port_names;
 use ademan::capture::transport::Scheme;
 use ademan::capture::uri::schemes;
-use ademan::document::{shipped_gloves, shipped_layouts, shipped_persons};
-use ademan::files::{own_gloves, own_layouts, own_persons};
+use ademan::document::FileKind;
+use ademan::files::own_names;
 use ademan::output::{BACKENDS, Backend};
 use clap_complete::engine::{
     ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter,
@@ -18,26 +18,17 @@ type Candidates = Vec<CompletionCandidate>;
 
 /// Completes a layout: shipped ones, ones in the configuration folder, and files.
 pub fn layout() -> ArgValueCompleter {
-    ArgValueCompleter::new(|current: &OsStr| {
-        let shipped = shipped_layouts().map(str::to_owned);
-        names_and_files(current, shipped.chain(own_layouts()))
-    })
+    names_and_files(FileKind::Layout)
 }
 
 /// Completes a glove, as a layout.
 pub fn glove() -> ArgValueCompleter {
-    ArgValueCompleter::new(|current: &OsStr| {
-        let shipped = shipped_gloves().map(str::to_owned);
-        names_and_files(current, shipped.chain(own_gloves()))
-    })
+    names_and_files(FileKind::Glove)
 }
 
 /// Completes a person, as a layout.
 pub fn person() -> ArgValueCompleter {
-    ArgValueCompleter::new(|current: &OsStr| {
-        let shipped = shipped_persons().map(str::to_owned);
-        names_and_files(current, shipped.chain(own_persons()))
-    })
+    names_and_files(FileKind::Person)
 }
 
 /// Completes a setup file.
@@ -99,12 +90,14 @@ fn serial_ports() -> impl Iterator<Item = CompletionCandidate> {
         .map(CompletionCandidate::new)
 }
 
-fn names_and_files(current: &OsStr, names: impl Iterator<Item = String>) -> Candidates {
-    let named = starting_with(
-        &current.to_string_lossy(),
-        names.map(CompletionCandidate::new),
-    );
-    named.into_iter().chain(files(current, "ron")).collect()
+fn names_and_files(kind: FileKind) -> ArgValueCompleter {
+    ArgValueCompleter::new(move |current: &OsStr| -> Candidates {
+        let shipped = kind.shipped().map(str::to_owned);
+        let names = shipped.chain(own_names(kind));
+        let candidates = names.map(CompletionCandidate::new);
+        let named = starting_with(&current.to_string_lossy(), candidates);
+        named.into_iter().chain(files(current, "ron")).collect()
+    })
 }
 
 /// Returns the files with an extension, or all for an empty one, and the folders.

@@ -1,13 +1,12 @@
 //! `ademan gloves`: the glove files that come with the program.
 
 use ademan::capture::protocol::lucidgloves;
-use ademan::document::{Document, FileKind, shipped_gloves};
-use ademan::files::{OpenDocument, own_gloves};
+use ademan::document::FileKind;
 use ademan::layout::Glove;
 use ademan::message::shell_word;
 
 use crate::failure::Failure;
-use crate::list::{ListArgs, Row};
+use crate::list::{ListArgs, Row, documents, invalid};
 
 /// The source of a glove with the default protocol.
 const SERIAL: &str = "serial:/dev/ttyUSB0";
@@ -21,25 +20,17 @@ pub struct Args {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    let shipped = shipped_gloves().map(|name| (name.to_owned(), Document::shipped(name)));
-    let own = own_gloves().into_iter().map(|name| {
-        let document = Document::open_kind(FileKind::Glove, &name);
-        (name, document)
-    });
-    let rows = shipped.chain(own).map(|(name, document)| {
+    let rows = documents(FileKind::Glove).map(|(name, document)| {
         let glove = document.and_then(|document| Glove::parse(&document));
         let source = glove.as_ref().map_or(SERIAL, source);
         let example = format!("ademan run --source {source} --glove {}", shell_word(&name));
-        Ok(Row {
-            summary: glove.map_or_else(
-                |error| format!("invalid: {}", error.message()),
-                |it| it.name,
-            ),
+        Row {
+            summary: glove.map_or_else(|error| invalid(&error), |it| it.name),
             example: Some(example),
             name,
-        })
+        }
     });
-    args.list.print(&rows.collect::<Result<Vec<_>, Failure>>()?)
+    args.list.print(&rows.collect::<Vec<Row>>())
 }
 
 /// Returns an example of the source of a glove, as a word for a shell.

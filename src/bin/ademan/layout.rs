@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use ademan::document::{Document, DocumentError, shipped_layouts};
-use ademan::files::{Load, own_layouts};
+use ademan::document::{Document, FileKind};
+use ademan::files::Load;
 use ademan::layout::{Layout, mirror_layout};
 use ademan::layout_link::LOCAL_PAGE;
 use ademan::setup::ArmSetup;
 
 use crate::failure::Failure;
-use crate::list::{ListArgs, Row};
+use crate::list::{ListArgs, Row, documents, invalid};
 use crate::{complete, field_list, key_list, layout_check, link, new_file, picture};
 
 /// Create, check, list and draw layouts
@@ -129,23 +129,13 @@ fn new(file: &Path, from: &str, is_mirrored: bool) -> Result<(), Failure> {
 
 /// Lists the layouts that come with the program, then the layouts in the configuration folder.
 pub fn list(args: &ListArgs) -> Result<(), Failure> {
-    let shipped = shipped_layouts().map(str::to_owned);
-    let row = |name: String, layout: Result<Layout, DocumentError>| Row {
-        name,
-        summary: match layout {
-            Ok(layout) => layout.description,
-            Err(error) => format!("invalid: {}", error.message()),
-        },
-        example: None,
-    };
-    let shipped = shipped.map(|name| {
-        let layout = Document::shipped(&name).and_then(Layout::from_document);
-        row(name, layout)
+    let rows = documents(FileKind::Layout).map(|(name, document)| {
+        let layout = document.and_then(Layout::from_document);
+        Row {
+            summary: layout.map_or_else(|error| invalid(&error), |layout| layout.description),
+            name,
+            example: None,
+        }
     });
-    let own = own_layouts().into_iter().map(|name| {
-        let layout = Layout::load(&name);
-        row(name, layout)
-    });
-    let rows: Vec<Row> = shipped.chain(own).collect();
-    args.print(&rows)
+    args.print(&rows.collect::<Vec<Row>>())
 }

@@ -4,6 +4,8 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
+use ademan::document::{Document, DocumentError, FileKind};
+use ademan::files::{OpenDocument, own_names};
 use ademan::message::{escape, escape_json, escape_line};
 
 use crate::failure::Failure;
@@ -38,6 +40,26 @@ impl ListArgs {
         let columns = messages::output_columns().unwrap_or_default();
         Ok(io::stdout().write_all(table(rows, columns).as_bytes())?)
     }
+}
+
+/// Returns the name and the document of each file of a kind: the files that come with the program, then the files in the
+/// configuration folder.
+pub fn documents(
+    kind: FileKind,
+) -> impl Iterator<Item = (String, Result<Document, DocumentError>)> {
+    let shipped = kind
+        .shipped()
+        .map(|name| (name.to_owned(), Document::shipped(name)));
+    let own = own_names(kind).into_iter().map(move |name| {
+        let document = Document::open_kind(kind, &name);
+        (name, document)
+    });
+    shipped.chain(own)
+}
+
+/// Returns the summary of a file with an error.
+pub fn invalid(error: &DocumentError) -> String {
+    format!("invalid: {}", error.message())
 }
 
 /// Prints a value as JSON.

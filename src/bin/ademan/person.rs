@@ -3,15 +3,15 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use ademan::document::{Document, FileKind, quote, shipped_persons};
-use ademan::files::{OpenDocument, own_persons};
+use ademan::document::{Document, FileKind, quote};
+use ademan::files::OpenDocument;
 use ademan::hand::{Finger, FingerSet, Side};
 use ademan::kinematics::{BoneLengths, HandReach};
 use ademan::layout::{HandUse, Motion, Person, person_field_tables};
 use ademan::message::escape;
 
 use crate::failure::Failure;
-use crate::list::{ListArgs, Row};
+use crate::list::{ListArgs, Row, documents, invalid};
 use crate::setup_args::{number_in, one_of};
 use crate::{complete, field_list, new_file};
 
@@ -125,19 +125,10 @@ fn text(name: &str, hand: Side, length: Option<f64>) -> String {
 }
 
 fn list(args: &ListArgs) -> Result<(), Failure> {
-    let shipped = shipped_persons().map(|name| (name.to_owned(), Document::shipped(name)));
-    let own = own_persons().into_iter().map(|name| {
-        let document = Document::open_kind(FileKind::Person, &name);
-        (name, document)
-    });
-    let rows = shipped.chain(own).map(|(name, document)| {
+    let rows = documents(FileKind::Person).map(|(name, document)| {
         let person = document.and_then(|document| Person::parse(&document));
-        let summary = person.map_or_else(
-            |error| format!("invalid: {}", error.message()),
-            |person| summary(&person),
-        );
         Row {
-            summary,
+            summary: person.map_or_else(|error| invalid(&error), |person| summary(&person)),
             name,
             example: None,
         }

@@ -48,7 +48,7 @@ impl FileKind {
     }
 
     /// Returns the names of the shipped files of this kind, without folder and `.ron`.
-    fn shipped(self) -> impl Iterator<Item = &'static str> {
+    pub fn shipped(self) -> impl Iterator<Item = &'static str> {
         FILES.iter().filter_map(move |(path, _)| {
             let (folder, name) = path.split_once('/')?;
             (Self::of_folder(folder) == self).then_some(name)

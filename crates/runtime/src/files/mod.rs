@@ -23,7 +23,7 @@ pub use replace::{
     replace_public_text, replace_text, replace_text_and_keep, replace_text_if, write_new,
     write_new_private,
 };
-pub use search::{own_gloves, own_layouts, own_persons};
+pub use search::own_names;
 
 #[cfg(unix)]
 mod unix;

@@ -106,19 +106,9 @@ fn file_in(folder: &Path, name: &str) -> Option<(PathBuf, String)> {
     files.find(|(path, _)| is_no_directory(path))
 }
 
-/// Returns the names of the layouts in the configuration folder.
-pub fn own_layouts() -> Vec<String> {
-    own_names("layouts")
-}
-
-/// Returns the names of the gloves in the configuration folder.
-pub fn own_gloves() -> Vec<String> {
-    own_names("gloves")
-}
-
-/// Returns the names of the persons in the configuration folder.
-pub fn own_persons() -> Vec<String> {
-    own_names("persons")
+/// Returns the names of the files of a kind in the configuration folder, without `.ron`.
+pub fn own_names(kind: FileKind) -> Vec<String> {
+    names_in(folders(Some(kind)))
 }
 
 /// Returns the error for a name that stands for nothing, which suggests files of a kind, or of all kinds. In `folder`, there may be a
@@ -132,11 +122,7 @@ pub(super) fn not_found(folder: &Path, name: &str, kind: Option<FileKind>) -> Do
         );
         return DocumentError::for_file(name, message);
     }
-    let own: Vec<String> = folders(kind)
-        .iter()
-        .flat_map(|searched| own_names(searched))
-        .collect();
-    DocumentError::no_such_file(name, kind, &own)
+    DocumentError::no_such_file(name, kind, &names_in(folders(kind)))
 }
 
 /// Returns the folders in the configuration folder that have files of a kind, or of any kind.
@@ -155,18 +141,22 @@ fn shipped(name: &str) -> Option<Document> {
     Document::shipped(name).ok()
 }
 
-fn own_names(folder: &str) -> Vec<String> {
+/// Returns the names of the files in folders of the configuration folder, sorted in each.
+fn names_in(folders: &[&str]) -> Vec<String> {
     let Some(config) = config_folder() else {
         return Vec::new();
     };
-    let entries = fs::read_dir(config.join(folder)).into_iter().flatten();
-    let names = entries.flatten().filter_map(|entry| {
-        let name = entry.file_name().into_string().ok()?;
-        Some(name.strip_suffix(EXTENSION)?.to_owned())
-    });
-    let mut names: Vec<String> = names.collect();
-    names.sort_unstable();
-    names
+    let names_in_one = |folder: &&str| {
+        let entries = fs::read_dir(config.join(folder)).into_iter().flatten();
+        let names = entries.flatten().filter_map(|entry| {
+            let name = entry.file_name().into_string().ok()?;
+            Some(name.strip_suffix(EXTENSION)?.to_owned())
+        });
+        let mut names: Vec<String> = names.collect();
+        names.sort_unstable();
+        names
+    };
+    folders.iter().flat_map(names_in_one).collect()
 }
 
 /// Returns the file with a name in the configuration folder, in the folder of a kind or of any.

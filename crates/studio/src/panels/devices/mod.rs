@@ -17,11 +17,11 @@ use crate::recordings;
 use crate::setup_change::SetupChange;
 use crate::texts::text;
 use ademan_core::command::{Command, ProfileName};
-use ademan_core::document::{shipped_gloves, shipped_persons};
+use ademan_core::document::{FileKind, shipped_gloves, shipped_persons};
 use ademan_core::message::escape;
 use ademan_core::pipeline::MAIN_PROFILE;
 use ademan_runtime::capture::SourceUri;
-use ademan_runtime::files::{own_gloves, own_persons};
+use ademan_runtime::files::own_names;
 use ademan_runtime::output::{self, BACKENDS};
 use ademan_runtime::setup::{ArmSetup, LoadedSetup};
 
@@ -45,8 +45,8 @@ impl OwnNames {
     /// Reads the configuration folder, which may take long.
     fn read() -> Self {
         Self {
-            gloves: own_gloves(),
-            persons: own_persons(),
+            gloves: own_names(FileKind::Glove),
+            persons: own_names(FileKind::Person),
         }
     }
 }
