@@ -108,24 +108,25 @@ mod tests {
 
     use super::*;
 
+    /// Returns a client, and the server's end of its connection with a deadline.
+    fn connected(limit: Duration) -> (TcpStream, DeadlineStream) {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let client = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let server = Arc::new(listener.accept().unwrap().0);
+        (client, DeadlineStream::new(server, limit).unwrap())
+    }
+
     #[test]
     fn a_read_from_a_silent_peer_times_out() {
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let silent = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
-        let server = Arc::new(listener.accept().unwrap().0);
-        let mut stream = DeadlineStream::new(server, Duration::from_millis(10)).unwrap();
+        let (_silent, mut stream) = connected(Duration::from_millis(10));
         let error = stream.read(&mut [0]).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::TimedOut);
-        drop(silent);
     }
 
     #[cfg(feature = "tls")]
     #[test]
     fn bytes_after_a_deadline_are_read_only_within_another_one() {
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let mut client = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
-        let server = Arc::new(listener.accept().unwrap().0);
-        let mut stream = DeadlineStream::new(server, Duration::from_millis(1)).unwrap();
+        let (mut client, mut stream) = connected(Duration::from_millis(1));
         let error = stream.read(&mut [0]).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::TimedOut);
         while stream.deadline.is_some_and(|end| Instant::now() < end) {
@@ -140,10 +141,7 @@ mod tests {
 
     #[test]
     fn reads_of_a_flood_are_interrupted_if_the_server_does_not_wait() {
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let mut client = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
-        let server = Arc::new(listener.accept().unwrap().0);
-        let mut stream = DeadlineStream::new(server, Duration::from_secs(60)).unwrap();
+        let (mut client, mut stream) = connected(Duration::from_secs(60));
         stream.end_deadline(Duration::from_secs(60)).unwrap();
         stream.set_nonblocking(true).unwrap();
         let flood = vec![0; 256 * MAX_BURST_BYTES];
