@@ -53,6 +53,13 @@ pub fn check(path: &Path) -> Result<(), Failure> {
     checked.map_err(|error| Failure::cannot_write(path, error))
 }
 
+/// Returns the first path, by its number from 1, at which there is no file.
+pub fn first_free(numbered: impl Fn(usize) -> PathBuf) -> PathBuf {
+    let mut paths = (1..).map(numbered);
+    let free = paths.find(|path| path.symlink_metadata().is_err());
+    free.expect("there are more numbers than files")
+}
+
 /// Creates a file. Fails if it exists. Writes the text to the standard output, `-`.
 pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     if path == Path::new(STDOUT) {

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::io::{self, BufRead, IsTerminal, Write};
-use std::iter;
 use std::path::{Path, PathBuf};
 
 use ademan::document::Document;
@@ -83,10 +82,10 @@ impl Destination {
 
     /// Returns a path beside the file for the recording, at which there is no file yet.
     pub fn free_recording(&self) -> PathBuf {
-        let numbered = (2..).map(|number| self.path.with_extension(format!("{number}.mcap")));
-        let mut paths = iter::once(self.path.with_extension("mcap")).chain(numbered);
-        let free = paths.find(|path| !path.exists());
-        free.expect("there are more numbers than files")
+        new_file::first_free(|number| match number {
+            1 => self.path.with_extension("mcap"),
+            _ => self.path.with_extension(format!("{number}.mcap")),
+        })
     }
 
     /// Fails if the file could not be written after a session of a minute.

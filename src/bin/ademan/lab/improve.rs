@@ -174,12 +174,10 @@ fn cannot_write(path: &Path, error: &FileError) -> String {
 /// Returns a name beside a layout that no other file has.
 fn beside(path: &Path) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let numbered = (1..).map(|number: usize| match number {
+    new_file::first_free(|number| match number {
         1 => path.with_file_name(format!("{stem}-improved.ron")),
         _ => path.with_file_name(format!("{stem}-improved-{number}.ron")),
-    });
-    let mut free = numbered.skip_while(|used| used.symlink_metadata().is_ok());
-    free.next().expect("there are more numbers than files")
+    })
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {

@@ -13,6 +13,7 @@ use ademan::session::counted;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
+use crate::new_file;
 
 /// Sessions that are kept. Older ones are dropped.
 const MAX_SESSIONS: usize = 1000;
@@ -195,7 +196,8 @@ impl History {
 
     fn write(&self, path: &Path) -> Result<(), FileError> {
         if self.damage.is_some() {
-            let kept = free_name(path);
+            let damaged = |number: usize| path.with_extension(format!("damaged.{number}.jsonl"));
+            let kept = new_file::first_free(damaged);
             fs::rename(path, &kept)?;
             say!("the damaged file is kept as {}", escape_path(&kept));
         }
@@ -348,13 +350,6 @@ fn parsed(bytes: &[u8]) -> (Vec<SessionResult>, Option<String>) {
         count => format!("{count} lines are damaged, the first is line {first}"),
     });
     (sessions, damage)
-}
-
-/// Returns a name beside the file that no other file has.
-fn free_name(path: &Path) -> PathBuf {
-    let numbered = (1..).map(|number| path.with_extension(format!("damaged.{number}.jsonl")));
-    let mut free = numbered.skip_while(|used| used.symlink_metadata().is_ok());
-    free.next().expect("there are more numbers than files")
 }
 
 #[cfg(test)]
