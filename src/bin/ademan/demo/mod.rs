@@ -136,7 +136,7 @@ fn cancel(player: &CurrentPlayer) {
 
 /// Plays one demo to its end.
 fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
-    let (setup, line) = (setup::load(args)?, line_format(args)?);
+    let (setup, line) = (setup::load(args)?, line_format(args));
     let (task, hand) = simulated_hand(args, &setup, &line)?;
     if args.fast || shows_more_than_a_line(&setup.layout) {
         play_bytes(args, current, setup, &line, task, hand)
@@ -313,12 +313,11 @@ fn watch(args: &Args, session: &SessionHandle, task: &mut Task) {
     }
 }
 
-fn line_format(args: &Args) -> Result<Hc11Format, Failure> {
-    Ok(Hc11Format {
-        baud: NonZeroU32::new(args.baud)
-            .ok_or_else(|| Failure::wrong_use("a baud rate is more than 0"))?,
+fn line_format(args: &Args) -> Hc11Format {
+    Hc11Format {
+        baud: NonZeroU32::new(args.baud).expect("the range begins at 1200"),
         ..Hc11Format::default()
-    })
+    }
 }
 
 fn simulated_hand(
