@@ -121,7 +121,7 @@ fn datagrams_that_are_no_packets_keep_no_sender_out() {
     }
 }
 
-/// Returns a message of OSC with these floats.
+/// Returns an OSC message with these floats.
 fn osc(address: &str, name: Option<&str>, floats: &[f32]) -> Vec<u8> {
     let padded = |text: &str| {
         let mut bytes = text.as_bytes().to_vec();

@@ -93,7 +93,11 @@ fn files_that_are_no_model_and_lines_that_are_no_taps_are_refused() {
     );
     let bad_tap = decode("en", "1 2\n1 2 3\n");
     assert_eq!(bad_tap.code, Some(2));
-    assert!(bad_tap.err.contains("line 2 is no tap"), "{}", bad_tap.err);
+    assert!(
+        bad_tap.err.contains("line 2 is not a tap"),
+        "{}",
+        bad_tap.err
+    );
 }
 
 #[test]
@@ -130,7 +134,7 @@ fn lines_of_a_list_that_are_no_words_are_counted_and_a_list_without_words_is_ref
     let foreign = file(&folder, "foreign.txt", " word=de,f=225\n word=la,f=216\n");
     let refused = build(&foreign);
     assert_eq!(refused.code, Some(2), "{}", refused.err);
-    let reason = "foreign.txt is no list of words";
+    let reason = "foreign.txt is not a list of words";
     assert!(refused.err.contains(reason), "{}", refused.err);
     assert!(!model.exists());
     let mixed = file(&folder, "mixed.txt", "hello 5\ne-mail 3\n\nworld\n");

@@ -300,7 +300,7 @@ fn a_source_has_no_more_than_the_role_of_its_token() {
                 .stderr,
         )
     };
-    assert!(run(&source(&see)).contains("only permits to see"));
+    assert!(run(&source(&see)).contains("has the role `see`"));
     let pointing = run(&source(&point));
     assert!(
         pointing.contains("cannot open tcp+tls:127.0.0.1:1"),
@@ -349,7 +349,7 @@ fn doctor_states_the_role_of_the_token_of_a_source_and_finds_one_that_a_run_refu
         assert_eq!(printed.contains("only a pointer"), points, "{printed}");
     }
     for (file, reason) in [
-        (&*see, "only permits to see"),
+        (&*see, "has the role `see`"),
         (Path::new("nope.token"), "there is no token file"),
     ] {
         let (is_ok, printed) = check(file, "");

@@ -337,7 +337,7 @@ fn note(name: &str) -> (u8, u8) {
 #[test]
 fn aseqdump_receives_the_notes_of_a_virtual_port() {
     if !Path::new("/dev/snd/seq").exists() {
-        println!("SKIPPED: this kernel has no sequencer of ALSA, /dev/snd/seq");
+        println!("SKIPPED: this kernel has no ALSA sequencer, /dev/snd/seq");
         return;
     }
     let mut demo = ademan(["demo", "--layout", "piano", "--repeat", "--output", "midi"]);

@@ -187,7 +187,7 @@ fn choose_view(
     let would_mix = output::uses_stdout(output) && !is_replaceable;
     match asked {
         Some(ViewKind::Board) if !view::is_possible() => Err(Failure::wrong_use(
-            "cannot draw a board: standard output is no terminal in the foreground that can show a picture; use `--view log`",
+            "cannot draw a board: standard output is not a terminal in the foreground that can show a picture; use `--view log`",
         )),
         Some(ViewKind::Board) if would_mix => Err(Failure::wrong_use(
             "`--view board` and a transcript on standard output would mix; use `--view log`, or write the transcript to a file: `--output transcript:FILE`",

@@ -25,7 +25,7 @@ pub enum Args {
         after_help = "Example: ademan text build --words words.txt --text sentences.txt --text more.txt -o my.adm"
     )]
     Build {
-        /// A list of words, one each line, with a weight behind a blank: how often the word is expected in a text as long as the given
+        /// A list of words, one each line, with a weight after a space: how often the word is expected in a text as long as the given
         /// ones
         #[arg(long, required_unless_present = "text")]
         words: Vec<PathBuf>,
@@ -128,7 +128,7 @@ fn add_list(builder: &mut Builder, path: &Path) -> Result<(), Failure> {
         (_, 0) => {}
         (0, _) => {
             return Err(Failure::wrong_use(format!(
-                "{shown} is no list of words: each line has a word of letters and apostrophes, and its weight behind a blank, as in \
+                "{shown} is not a list of words: each line has a word of letters and apostrophes, and its weight after a space, as in \
                  `hello 5`"
             )));
         }
@@ -201,7 +201,7 @@ fn decode(name: &str, layout: &str) -> Result<(), Failure> {
         }
         decoder.tap(tap(&line).ok_or_else(|| {
             Failure::wrong_use(format!(
-                "line {} is no tap `x y` in mm: {}",
+                "line {} is not a tap `x y` in mm: {}",
                 number + 1,
                 escape(&line)
             ))

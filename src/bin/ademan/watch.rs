@@ -24,7 +24,7 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), Failure> {
     if !view::is_possible() {
         return Err(Failure::wrong_use(
-            "standard output is no terminal in the foreground that can show a picture; `ademan ctl subscribe` prints lines instead",
+            "standard output is not a terminal in the foreground that can show a picture; `ademan ctl subscribe` prints lines instead",
         ));
     }
     let path = ctl::socket_path(args.socket)?;

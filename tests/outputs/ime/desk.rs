@@ -1,4 +1,4 @@
-//! A desktop with an input method: an X server, a message bus, the daemon of IBus, and a window with a text field.
+//! A desktop with an input method: an X server, a message bus, the IBus daemon, and a window with a text field.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -83,7 +83,7 @@ impl Desk {
             let selected = engine.args(["engine", "xkb:us::eng"]).output();
             selected.is_ok_and(|output| output.status.success())
         };
-        assert!(wait_for(is_up), "the daemon of IBus does not answer");
+        assert!(wait_for(is_up), "the IBus daemon does not answer");
     }
 
     pub fn kill_daemon(&mut self) {

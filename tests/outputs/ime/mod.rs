@@ -1,4 +1,4 @@
-//! The output `ime` with the daemon of IBus, text fields of GTK and Qt and a terminal, and on a Wayland compositor.
+//! The output `ime` with the IBus daemon, text fields of GTK and Qt and a terminal, and on a Wayland compositor.
 
 #[cfg(feature = "wayland")]
 mod compositor;

@@ -102,7 +102,7 @@ impl CamerasFile {
             // A view is of the camera with its name.
             let before = &file.cameras[..index];
             if before.iter().any(|other| other.name == entry.name) {
-                return Err(error("is there twice; give each camera its own name"));
+                return Err(error("is given twice; give each camera its own name"));
             }
             let (k1, k2, p1, p2) = entry.distortion;
             let pairs = [entry.size_px, entry.focal_px, entry.center_px];
@@ -146,7 +146,7 @@ impl CamerasFile {
                 reason,
             };
             if table.fisheye {
-                return Err(refused("is a fisheye, whose model is not known here"));
+                return Err(refused("is a fisheye camera, which is not supported"));
             }
             let [k1, k2, p1, p2, ref rest @ ..] = table.distortions[..] else {
                 return Err(refused("needs the four distortions k1, k2, p1 and p2"));
@@ -156,7 +156,7 @@ impl CamerasFile {
             }
             let [[focal_x, skew, center_x], [_, focal_y, center_y], _] = table.matrix;
             if skew != 0.0 {
-                return Err(refused("has a skew in its matrix, which is not known here"));
+                return Err(refused("has a skew in its matrix, which is not supported"));
             }
             cameras.push(Entry {
                 name,

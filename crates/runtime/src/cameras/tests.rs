@@ -266,7 +266,7 @@ fn files_of_both_forms_keep_all_numbers_and_others_are_refused() {
     let twice_error = parse(&twice).unwrap_err();
     assert_eq!(
         twice_error.to_string(),
-        "the camera `A` is there twice; give each camera its own name"
+        "the camera `A` is given twice; give each camera its own name"
     );
 }
 

@@ -28,7 +28,7 @@ pub fn check_focus(setup: &Setup) -> Option<Finding> {
     });
     let (status, text) = match probed {
         Ok((desktop, rule)) => {
-            let rule = rule.map_or("no rule is for it".into(), |rule| {
+            let rule = rule.map_or("no rule matches it".into(), |rule| {
                 let (application, profile) = (escape(&rule.application), escape(&rule.profile));
                 format!("the rule for `{application}` holds, with the profile `{profile}`")
             });

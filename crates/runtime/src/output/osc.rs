@@ -20,7 +20,7 @@ pub const BACKEND: Backend = Backend {
     name: "osc",
     argument: Some("HOST:PORT"),
     is_argument_required: true,
-    summary: "the signals of a layout as messages of OSC, over UDP to a program: osc:127.0.0.1:9000",
+    summary: "the signals of a layout as OSC messages, over UDP to a program: osc:127.0.0.1:9000",
     capabilities: Capabilities::default,
     is_log: false,
     is_fixed_when_open: false,
@@ -90,7 +90,7 @@ impl Osc {
                 Ok(socket) => {
                     if !address.ip().is_loopback() {
                         tracing::warn!(
-                            "messages of OSC to {address} are not encrypted: who reads the network reads what you play"
+                            "OSC messages to {address} are not encrypted: anyone who can read the network can read what you play"
                         );
                     }
                     return Ok(Self {

@@ -157,7 +157,7 @@ impl fmt::Display for Notice {
             Self::Sharing(target) => write_sharing(f, target),
             Self::NoHaptics(kind) => write!(
                 f,
-                "no feedback: `haptics` is {}, but no glove takes it; that needs `protocol=lucidgloves` over `serial:`, `tcp:` or \
+                "no feedback: `haptics` is {}, but no glove supports it; it needs `protocol=lucidgloves` over `serial:`, `tcp:` or \
                  `udp:`",
                 kind.name()
             ),
@@ -167,7 +167,7 @@ impl fmt::Display for Notice {
             }
             Self::BentFingers(fingers) => write!(
                 f,
-                "paused: straighten {}: a bent finger types nothing until it was straight; `ademan calibrate` corrects a glove whose straight fingers look bent",
+                "paused: straighten {}: a bent finger types nothing until it has been straight; `ademan calibrate` corrects a glove whose straight fingers look bent",
                 finger_names(*fingers)
             ),
             Self::AwaitingHand => f.write_str(AWAITING_HAND),

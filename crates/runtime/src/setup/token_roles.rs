@@ -57,7 +57,7 @@ fn token_role(file: &str) -> Result<TokenRole, SetupError> {
 fn granted_role(file: &str, token: TokenRole) -> Result<SourceRole, SetupError> {
     match token {
         TokenRole::See => Err(SetupError::Value(format!(
-            "the token in {} only permits to see, so its source may cause nothing; use a token with the role `point` or \
+            "the token in {} has the role `see`, so its source may cause no event; use a token with the role `point` or \
              `type`, or state a role: `--role pointer`",
             escape(file)
         ))),

@@ -116,7 +116,7 @@ pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
             _ => {}
         }
         let line = String::from_utf8(bytes);
-        let line = line.map_err(|_| cannot_read(format!("line {number} is no text in UTF-8")))?;
+        let line = line.map_err(|_| cannot_read(format!("line {number} is not UTF-8 text")))?;
         if !line.trim().is_empty() {
             found.push((number, line));
         }

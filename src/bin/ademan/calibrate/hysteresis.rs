@@ -62,7 +62,7 @@ pub fn run(hysteresis: &Hysteresis, args: Args) -> Result<(), Failure> {
     };
     if found.is_empty() {
         return Err(Failure::wrong_use(format!(
-            "the hysteresis of no sensor is known: {}",
+            "no sensor has a known hysteresis: {}",
             match hysteresis {
                 Hysteresis::Percent(_) =>
                     "the glove file has no `range_counts` of a finger; calibrate the glove first, which writes them"

@@ -174,7 +174,7 @@ fn check(args: &Args) -> Result<(), Failure> {
     let twice = |index: usize| args.label[..index].contains(&args.label[index]);
     if let Some(index) = (0..labels).find(|&index| twice(index)) {
         return refused(format!(
-            "label `{}` is there twice",
+            "label `{}` is given twice",
             escape(&args.label[index])
         ));
     }

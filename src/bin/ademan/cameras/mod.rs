@@ -66,7 +66,7 @@ pub struct CalibrateArgs {
     /// Improve the cameras of `--cameras` by all labels that two of them see
     #[arg(long, requires = "cameras")]
     refine: bool,
-    /// File with the lenses to begin with, `.ron` or `.toml`
+    /// File with the initial lenses, `.ron` or `.toml`
     #[arg(long, value_name = "FILE")]
     cameras: Option<PathBuf>,
     /// Width and height of all images, without a file of cameras
@@ -146,7 +146,7 @@ fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     }
     for name in unknown_cameras(&start, &lines) {
         complain!(
-            "no camera to begin with is called `{}`, so that its marks are left out",
+            "no initial camera is called `{}`, so its marks are left out",
             escape(name)
         );
     }
@@ -391,8 +391,9 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     match read.map_err(|error| Failure::cannot_read(path, error))? as u64 {
         // The limit may cut a character.
         MAX_BYTES => Err(Failure::cannot_read(path, "it is longer than 1 MiB")),
-        _ => String::from_utf8(bytes)
-            .map_err(|_| Failure::cannot_read(path, "it is no text in UTF-8")),
+        _ => {
+            String::from_utf8(bytes).map_err(|_| Failure::cannot_read(path, "it is not UTF-8 text"))
+        }
     }
 }
 
@@ -402,7 +403,7 @@ fn format(path: &Path) -> Result<CamerasFormat, Failure> {
         Some("ron") => Ok(CamerasFormat::Ron),
         Some("toml") => Ok(CamerasFormat::Toml),
         _ => Err(Failure::wrong_use(format!(
-            "{} is no file of cameras by its name; give it the end `.ron` or `.toml`",
+            "{} ends neither in `.ron` nor in `.toml`, the formats of camera files",
             escape_path(path)
         ))),
     }

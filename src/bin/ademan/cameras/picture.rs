@@ -61,7 +61,7 @@ impl Picture {
 
     /// Reads the next frame in the format PPM, `P6`; `None` at the end.
     pub fn read_ppm(input: &mut impl BufRead) -> Result<Option<Self>, String> {
-        let cut = |error: std::io::Error| format!("the film ends in a frame: {error}");
+        let cut = |error: std::io::Error| format!("the film ends within a frame: {error}");
         if input.fill_buf().map_err(cut)?.is_empty() {
             return Ok(None);
         }
@@ -263,7 +263,9 @@ mod tests {
         let mut film = &b"P6\n2 1\n255\n\x00\x00\x00\xff\x00\x00P6 1 1 255\n\x00\x00"[..];
         let first = Picture::read_ppm(&mut film).unwrap().unwrap();
         assert_eq!([first.width, first.height], [2, 1]);
-        assert!(Picture::read_ppm(&mut film).is_err_and(|error| error.contains("ends in a frame")));
+        assert!(
+            Picture::read_ppm(&mut film).is_err_and(|error| error.contains("ends within a frame"))
+        );
         assert!(matches!(Picture::read_ppm(&mut &b""[..]), Ok(None)));
         for wrong in [
             "P5 1 1 255\n0",

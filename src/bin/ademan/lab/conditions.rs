@@ -206,7 +206,7 @@ impl Prepared {
     ) -> Result<Self, Failure> {
         if decoder.is_some() && corrections > 0.0 {
             return Err(Failure::wrong_use(
-                "people do not correct behind a text decoder; use --corrections or --decoder",
+                "people correct no errors with a text decoder; use either --corrections or --decoder",
             ));
         }
         let drawn = match &people {

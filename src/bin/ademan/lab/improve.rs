@@ -30,13 +30,13 @@ pub struct Args {
     /// Layout: the name of one that comes with the program, or a file. It is not changed
     #[arg(add = complete::layout())]
     layout: String,
-    /// Parts that may change: positions of boards, rows and controls; sizes; or which key has which letter. Several with commas
+    /// Parts that may change: positions of boards, rows and controls; sizes; or which key has which letter. Separate several by commas
     #[arg(long = "move", value_name = "MOVES", required = true, value_delimiter = ',', value_parser = one_of::<MoveKind>(MoveKind::NAMES))]
     kinds: Vec<MoveKind>,
     /// Objective: speed, errors or effort, or weights such as speed=1,errors=2
     #[arg(long, value_name = "OBJECTIVE", default_value = "speed")]
     objective: Objective,
-    /// Controls that stay as they are on their board; `boards` keeps the poses of all boards. Several with blanks
+    /// Controls that stay as they are on their board; `boards` keeps the poses of all boards. Separate several by spaces
     #[arg(long, value_name = "NAMES")]
     keep: Vec<String>,
     /// Growth of the outline of a board on each side that is allowed, in mm

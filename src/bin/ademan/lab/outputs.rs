@@ -20,7 +20,7 @@ const MAX_BYTES: u64 = 256 << 20;
 /// Reads a file as text. The error has no path.
 pub fn read_text(path: &Path) -> Result<String, String> {
     let bytes = read_bytes(path)?;
-    String::from_utf8(bytes).map_err(|_| "it is no text in UTF-8".to_owned())
+    String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_owned())
 }
 
 /// Reads the bytes of a file. The error has no path.

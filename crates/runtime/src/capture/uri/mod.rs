@@ -265,7 +265,7 @@ fn parse_typist(rest: &str) -> Result<SourceUri, String> {
         Some((_, options)) if !options.starts_with("protocol=") || !are_pairs(options) => {
             (rest, None)
         }
-        Some(("", _)) => return Err("the options are preceded by no text".to_owned()),
+        Some(("", _)) => return Err("there is no text before the options".to_owned()),
         Some((text, options)) => (text, Some(parse_options(options, None)?.format)),
         None => (rest, None),
     };
@@ -311,7 +311,7 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
     if address.is_empty() && transport.has_address {
         return Err(match rest {
             "" => format!("`{scheme}:` is followed by nothing"),
-            _ => "the options are preceded by nothing".to_owned(),
+            _ => "there is no address before the options".to_owned(),
         });
     }
     (transport.check_address)(address)?;

@@ -231,7 +231,7 @@ fn an_invalid_uri_names_the_nearest_valid_one() {
         ("typist:", "`typist:` is followed by nothing"),
         (
             "typist:?protocol=vmc",
-            "the options are preceded by no text",
+            "there is no text before the options",
         ),
         (
             "typist:hi?protocol=vcm",
@@ -241,7 +241,10 @@ fn an_invalid_uri_names_the_nearest_valid_one() {
             "typist:hi?protocol=vmc&delay_ms=5",
             "unknown option `delay_ms`",
         ),
-        ("serial:?baud=9600", "the options are preceded by nothing"),
+        (
+            "serial:?baud=9600",
+            "there is no address before the options",
+        ),
         (
             "serial:COM3?bauds=9600",
             "unknown option `bauds`, did you mean `baud`?",

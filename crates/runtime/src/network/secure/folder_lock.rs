@@ -44,7 +44,7 @@ impl FolderLock {
                 }
                 Err(TryLockError::WouldBlock) => {
                     return Err(NetworkError::Token(
-                        "another `ademan token` does not end; end it and try again".into(),
+                        "another `ademan token` is still running; end it and try again".into(),
                     ));
                 }
                 Err(TryLockError::Error(error)) => return Err(fail(error)),

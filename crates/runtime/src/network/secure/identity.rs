@@ -114,7 +114,7 @@ fn invalid(path: &Path) -> NetworkError {
     NetworkError::Content {
         path: path.into(),
         reason:
-            "it is no PEM file of that kind; remove certificate.pem and key.pem to get new ones"
+            "it is not a PEM file of that kind; remove certificate.pem and key.pem to get new ones"
                 .into(),
     }
 }

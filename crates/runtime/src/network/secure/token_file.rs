@@ -31,7 +31,7 @@ impl TokenFile {
         Self::parse(&text).ok_or_else(|| NetworkError::Content {
             path: path.into(),
             reason:
-                "it is no token file; `ademan token new NAME --role see` on the server makes one"
+                "it is not a token file; `ademan token new NAME --role see` on the server makes one"
                     .into(),
         })
     }

@@ -15,7 +15,7 @@ use crate::output::desktop::{
 
 /// The outputs of keys and of text.
 pub(super) enum Outputs {
-    /// An engine of IBus for text beside an output of keys.
+    /// An IBus engine for text beside an output of keys.
     Bus { keys: Box<dyn Sink>, client: Client },
     /// The input method of a compositor: one queue and one thread for both.
     #[cfg(feature = "wayland")]

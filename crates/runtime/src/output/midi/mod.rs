@@ -1,4 +1,4 @@
-//! The output `midi`: what the signals of a layout send, as messages of MIDI to a port or to a raw device.
+//! The output `midi`: what the signals of a layout send, as MIDI messages to a port or to a raw device.
 //!
 //! A key plays its note with the velocity of the press; its depth, if it reports it, is the pressure of that note. A control with a
 //! value moves its controller. Notes end as keys are released: at every stop, loss, stall and change of the layout, and at the end.
@@ -62,7 +62,7 @@ pub(super) fn check_presence(argument: Option<&str>) -> Result<(), String> {
     }
 }
 
-/// A sink that sends messages of MIDI.
+/// A sink that sends MIDI messages.
 ///
 /// While the queue is half full, notes do not begin and are [counted](Sink::dropped_presses); while it is three quarters full, the
 /// latest position of a controller waits for the next step. The end of a note always finds room.

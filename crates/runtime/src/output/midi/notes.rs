@@ -1,4 +1,4 @@
-//! Messages of MIDI 1.0 for the signals of a layout.
+//! MIDI 1.0 messages for the signals of a layout.
 
 use ademan_core::contact::TargetId;
 use ademan_core::device::EventKind;
@@ -147,7 +147,7 @@ impl Notes {
     }
 }
 
-/// Returns a value of 0..=1 as a number of MIDI. The turns of an endless knob are cut off.
+/// Returns a value of 0..=1 as a MIDI number. The turns of an endless knob are cut off.
 fn number(value: f32) -> u8 {
     (value * MAX).round().clamp(0.0, MAX) as u8
 }

@@ -18,7 +18,7 @@ pub fn start(
     let reason = if cfg!(target_os = "linux") {
         "this program was built without them; build it with `--features tray`"
     } else {
-        "they are made for Linux"
+        "they need Linux"
     };
     if settings.has_icon || settings.notifies {
         report(format!("neither tray nor notifications: {reason}"));

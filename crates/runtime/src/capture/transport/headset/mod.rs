@@ -76,7 +76,7 @@ pub struct HeadsetPages {
 fn parse(address: &str) -> Result<SocketAddr, String> {
     let parsed: SocketAddr = address.parse().map_err(|_| {
         format!(
-            "write `{}` with the number of this machine on the network, as `ip address` shows it",
+            "write `{}` with the address of this machine on the network, as `ip address` shows it",
             SCHEME.syntax
         )
     })?;

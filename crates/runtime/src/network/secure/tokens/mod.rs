@@ -126,7 +126,7 @@ fn check_name(name: &str) -> Result<(), NetworkError> {
     match name.len() {
         1..=MAX_NAME_LENGTH if name.bytes().all(is_letter) => Ok(()),
         _ => Err(NetworkError::Token(format!(
-            "a name of a token has 1 to {MAX_NAME_LENGTH} letters, digits, `-` and `_`, such as `desk`"
+            "a token name has 1 to {MAX_NAME_LENGTH} letters, digits, `-` and `_`, such as `desk`"
         ))),
     }
 }

@@ -1,4 +1,4 @@
-//! The connection to the daemon of IBus.
+//! The connection to the IBus daemon.
 
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -169,7 +169,7 @@ impl Bus {
 fn open(address: &str) -> Result<Connection, String> {
     Builder::address(address)
         .and_then(|builder| builder.method_timeout(TIMEOUT).build())
-        .map_err(|error| format!("the daemon of IBus cannot be reached: {error}; {START_IT}"))
+        .map_err(|error| format!("the IBus daemon cannot be reached: {error}; {START_IT}"))
 }
 
 fn call<B: Serialize + DynamicType>(

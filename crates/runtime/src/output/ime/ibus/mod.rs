@@ -1,4 +1,4 @@
-//! The thread that is an engine of IBus: it connects, makes the engine the desktop's, and connects again after the daemon has ended.
+//! The thread that is an IBus engine: it connects, makes the engine the desktop's, and connects again after the daemon has ended.
 
 mod bus;
 mod engine;
@@ -45,7 +45,7 @@ pub(super) fn start(
     match connection.recv_timeout(CONNECT_TIMEOUT) {
         Ok(Ok(())) => Ok(thread),
         Ok(Err(reason)) => Err(reason),
-        Err(RecvTimeoutError::Timeout) => Err("the daemon of IBus does not answer".into()),
+        Err(RecvTimeoutError::Timeout) => Err("the IBus daemon does not answer".into()),
         Err(RecvTimeoutError::Disconnected) => Err("connecting to IBus panicked".into()),
     }
 }

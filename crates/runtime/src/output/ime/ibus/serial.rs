@@ -1,4 +1,4 @@
-//! The objects of IBus in messages: structures that begin with their name and a dictionary, `(sa{sv}…)`.
+//! IBus objects in messages: structures that begin with their name and a dictionary, `(sa{sv}…)`.
 //!
 //! Fields and their order: `ibus_text_serialize`, `ibus_lookup_table_serialize`, `ibus_component_serialize` and
 //! `ibus_engine_desc_serialize` of libibus 1.5.

@@ -1,4 +1,4 @@
-//! A virtual port of MIDI, which other programs connect to.
+//! A virtual MIDI port, which other programs connect to.
 
 #[cfg(all(feature = "midi", unix))]
 mod unix;

@@ -14,7 +14,7 @@ const NAME: &str = "Ademan";
 pub fn open() -> Result<Writer, String> {
     let cannot = |error: &dyn std::fmt::Display| {
         format!(
-            "cannot create a port of MIDI: {error}; on Linux load the sequencer of ALSA with `sudo modprobe snd-seq`, or name a raw \
+            "cannot create a MIDI port: {error}; on Linux load the ALSA sequencer with `sudo modprobe snd-seq`, or name a raw \
              device: midi:/dev/snd/midiC1D0"
         )
     };
@@ -22,7 +22,7 @@ pub fn open() -> Result<Writer, String> {
     let mut port = output
         .create_virtual(NAME)
         .map_err(|error| cannot(&error))?;
-    tracing::info!("the port of MIDI is {NAME}: `aconnect -l` lists it");
+    tracing::info!("the MIDI port is {NAME}: `aconnect -l` lists it");
     Ok(Box::new(move |message| {
         port.send(message).map_err(io::Error::other)
     }))

@@ -3,7 +3,7 @@
 use crate::output::midi::thread::Writer;
 
 /// The reason and the remedy.
-const REASON: &str = "this program was built without ports of MIDI; build it with `--features midi` (on Linux with the package \
+const REASON: &str = "this program was built without MIDI ports; build it with `--features midi` (on Linux with the package \
                       libasound2-dev), or name a raw device: midi:/dev/snd/midiC1D0";
 
 /// Fails: this program has no virtual port.

@@ -1,4 +1,4 @@
-//! Raw devices of MIDI: character devices and pipes that take the bytes as a cable would.
+//! Raw MIDI devices: character devices and pipes that take the bytes as a cable would.
 
 #[cfg(unix)]
 mod unix;

@@ -55,7 +55,7 @@ pub fn check(path: &Path) -> Result<(), String> {
 /// Returns the cause and the remedy.
 fn cannot_open(path: &Path, reason: &dyn Display) -> String {
     format!(
-        "cannot open {}: {reason}; `amidi -l` lists the devices of ALSA, of which hw:1,0 is /dev/snd/midiC1D0",
+        "cannot open {}: {reason}; `amidi -l` lists the ALSA devices, of which hw:1,0 is /dev/snd/midiC1D0",
         escape_path(path)
     )
 }

@@ -5,10 +5,9 @@ use std::path::Path;
 use crate::output::midi::thread::Writer;
 
 /// The reason and the remedy.
-const REASON: &str =
-    "this system has no raw devices of MIDI; use the output `midi` without a device";
+const REASON: &str = "this system has no raw MIDI devices; use the output `midi` without a device";
 
-/// Fails: this system has no raw devices of MIDI.
+/// Fails: this system has no raw MIDI devices.
 pub fn open(_: &Path) -> Result<Writer, String> {
     Err(REASON.into())
 }

@@ -143,7 +143,7 @@ fn focused(kind: u32, text: &[u8]) -> Result<Option<Vec<String>>, String> {
         return Ok(None);
     }
     let message: Value = serde_json::from_slice(text)
-        .map_err(|_| "sway has sent a message that is no JSON".to_owned())?;
+        .map_err(|_| "sway has sent a message that is not JSON".to_owned())?;
     match kind {
         SUBSCRIBE if message["success"] != true => Err("sway refuses to report the focus".into()),
         GET_TREE => Ok(focused_node(&message).and_then(names)),

@@ -130,7 +130,8 @@ impl Menu {
 
 /// Checks that the bus names this user as the sender of a call.
 async fn check_sender(connection: &zbus::Connection, header: &Header<'_>) -> fdo::Result<()> {
-    let denied = || fdo::Error::AccessDenied("the menu obeys only the user of the session".into());
+    let denied =
+        || fdo::Error::AccessDenied("only the user of the session may use the menu".into());
     let sender = header.sender().ok_or_else(denied)?;
     let bus = fdo::DBusProxy::new(connection).await?;
     let user = bus.get_connection_unix_user(sender.clone().into()).await?;
