@@ -532,7 +532,7 @@ fn a_second_run_is_refused_and_the_socket_of_a_killed_run_is_replaced() {
     let ended = ademan(&second).output().expect("the program starts");
     assert_eq!(ended.status.code(), Some(2));
     let err = String::from_utf8_lossy(&ended.stderr);
-    assert!(err.contains("another session listens at"), "{err}");
+    assert!(err.contains("another session listens on"), "{err}");
     assert!(err.contains("`ademan ctl stop`"), "{err}");
     assert_eq!(
         request(&mut client(&run), r#"{"command":"state"}"#)["ok"],

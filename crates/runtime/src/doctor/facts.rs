@@ -120,12 +120,12 @@ pub enum RuntimeDir {
     Present {
         /// Path of the control socket.
         socket: PathBuf,
-        /// Process that listens at the socket, if any.
+        /// Process that listens on the socket, if any.
         run: Option<RunningInstance>,
     },
 }
 
-/// A running instance of this program that listens at its control socket.
+/// A running instance of this program that listens on its control socket.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RunningInstance {
     /// Process id; `None` if it is not visible.

@@ -32,7 +32,7 @@ pub fn check_listen_address(address: SocketAddr, is_secure: bool) -> Result<(), 
         );
     }
     if ip.is_multicast() || ip == IpAddr::V4(Ipv4Addr::BROADCAST) {
-        return Err("this is a multicast address, which no server can listen at");
+        return Err("this is a multicast address, which no server can listen on");
     }
     if !ip.is_loopback() && !is_secure {
         return Err(

@@ -68,7 +68,7 @@ pub enum ShareError {
     },
     /// The address cannot be used.
     #[error(
-        "cannot listen at {address}: {error}; another program may use the port, choose another one"
+        "cannot listen on {address}: {error}; another program may use the port, choose another one"
     )]
     Listen {
         /// The address.
@@ -76,8 +76,8 @@ pub enum ShareError {
         /// The cause.
         error: io::Error,
     },
-    /// Two targets listen at one address.
-    #[error("`{}` and `{}` listen at one port; give one of them another port", .0[0], .0[1])]
+    /// Two targets listen on one address.
+    #[error("`{}` and `{}` listen on the same port; give one of them another port", .0[0], .0[1])]
     SamePort(Box<[ShareTarget; 2]>),
     /// No datagrams can be sent.
     #[error("cannot send to {address}: {error}; choose an address of this machine")]

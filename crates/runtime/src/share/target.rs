@@ -79,7 +79,7 @@ pub enum ShareLink {
     Zenoh(ArrayString<MAX_KEY_BYTES>),
 }
 
-/// A format, and the address that is listened at or sent to: `text-line:127.0.0.1:10002`.
+/// A format, and the address that is listened on or sent to: `text-line:127.0.0.1:10002`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct ShareTarget {

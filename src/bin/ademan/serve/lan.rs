@@ -90,7 +90,7 @@ fn listen_address(given: &str, port: u16) -> Result<SocketAddr, Failure> {
         let free = TcpListener::bind(address).and_then(|listener| listener.local_addr());
         address = free.map_err(|error| {
             Failure::job(format!(
-                "cannot listen at {ip}: {error}; name an address of this machine"
+                "cannot listen on {ip}: {error}; name an address of this machine"
             ))
         })?;
     }

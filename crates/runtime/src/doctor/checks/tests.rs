@@ -281,7 +281,7 @@ fn a_second_session_and_a_long_path_are_reported() {
     let taken = sockets_finding(&facts);
     assert_eq!(
         taken.text,
-        "another session listens at /run/user/1000/ademan/control.sock (process 42)"
+        "another session listens on /run/user/1000/ademan/control.sock (process 42)"
     );
     assert!(
         taken.next_step.contains("ademan ctl stop"),

@@ -63,7 +63,7 @@ impl ProfileInfo {
 pub enum ControlError {
     /// The path is longer than a socket path may be.
     #[error(
-        "cannot listen at {}: the path has {length} bytes, a socket path at most {most}; name a shorter one with \
+        "cannot listen on {}: the path has {length} bytes, a socket path at most {most}; name a shorter one with \
          --control PATH",
         escape_path(path)
     )]
@@ -75,9 +75,9 @@ pub enum ControlError {
         /// Largest length in bytes.
         most: usize,
     },
-    /// Another session listens at the path.
+    /// Another session listens on the path.
     #[error(
-        "another session listens at {}; end it with `ademan ctl stop`, or start this one with --control PATH or \
+        "another session listens on {}; end it with `ademan ctl stop`, or start this one with --control PATH or \
          --control off",
         escape_path(path)
     )]
@@ -87,7 +87,7 @@ pub enum ControlError {
     },
     /// The socket cannot be created.
     #[error(
-        "cannot listen at {}: {}; name another path with --control PATH, or use --control off",
+        "cannot listen on {}: {}; name another path with --control PATH, or use --control off",
         escape_path(path),
         escape_line(reason)
     )]

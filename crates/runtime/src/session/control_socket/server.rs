@@ -38,7 +38,7 @@ impl ControlServer {
     /// Only the owner of the socket may connect, from its creation on. The socket of a process that was killed is replaced.
     ///
     /// # Errors
-    /// If the socket cannot be created, or another session listens at it.
+    /// If the socket cannot be created, or another session listens on it.
     pub fn bind(path: &Path) -> Result<Self, ControlError> {
         let listener = Listener::open(path).map_err(|error| ControlError::bind(path, error))?;
         let (notifier, queue) = Notifier::new();

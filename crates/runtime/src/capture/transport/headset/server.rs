@@ -76,7 +76,7 @@ impl Server {
         let keeper = keeper.map_err(|error| error.to_string())?;
         let in_use = |error: io::Error| {
             format!(
-                "cannot listen at {address}: {error}; use an address of this machine, as `ip address` shows it, and a free port"
+                "cannot listen on {address}: {error}; use an address of this machine, as `ip address` shows it, and a free port"
             )
         };
         let listener = TcpListener::bind(address).map_err(in_use)?;

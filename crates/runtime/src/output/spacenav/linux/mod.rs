@@ -112,7 +112,7 @@ impl Spacenav {
     pub fn open(path: Option<&Path>) -> Result<Self, OutputError> {
         let path = socket_path(path).map_err(open_error)?;
         let listener = Listener::open(&path).map_err(|error: SocketError| {
-            open_error(format!("cannot listen at {}: {error}", escape_path(&path)))
+            open_error(format!("cannot listen on {}: {error}", escape_path(&path)))
         })?;
         let spacenav = Self::start(listener, path).map_err(open_error)?;
         tracing::info!(
@@ -305,7 +305,7 @@ fn button_number(key: KeyCode) -> Option<usize> {
     BUTTONS.iter().position(|name| *name == key.name())
 }
 
-/// Checks that a server can listen at the path in the argument, or at the default one, as far as that shows without listening. An error
+/// Checks that a server can listen on the path in the argument, or on the default one, as far as that shows without listening. An error
 /// states the cause and the remedy.
 pub fn check_presence(argument: Option<&str>) -> Result<(), String> {
     let path = socket_path(argument.map(Path::new)).map_err(with_remedy)?;
@@ -322,7 +322,7 @@ pub fn check_presence(argument: Option<&str>) -> Result<(), String> {
         Ok(()) => return Ok(()),
     };
     let path = escape_path(&path);
-    Err(with_remedy(format!("cannot listen at {path}: {reason}")))
+    Err(with_remedy(format!("cannot listen on {path}: {reason}")))
 }
 
 /// Returns the absolute path of the socket, by default in the runtime folder. An error states why there is none.
