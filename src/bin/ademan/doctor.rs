@@ -85,28 +85,18 @@ pub fn run(args: Args) -> Result<(), Failure> {
 fn check_outputs(setup: &LoadedSetup) -> Result<Finding, Failure> {
     let outputs = &setup.setup.output;
     let checked = output::check(outputs, &setup.required_capabilities());
-    let (status, text) = match checked.and_then(|()| output::check_presence(outputs)) {
+    let can_send = match checked.and_then(|()| output::check_presence(outputs)) {
         Ok(()) => match check_transcripts(outputs) {
-            Ok(()) => {
-                let text = format!(
-                    "{} can send everything that the layouts require",
-                    escape(outputs)
-                );
-                (CheckStatus::Ok, text)
-            }
-            Err(failure) => (CheckStatus::Missing, failure.to_string()),
+            Ok(()) => Ok(format!(
+                "{} can send everything that the layouts require",
+                escape(outputs)
+            )),
+            Err(failure) => Err(failure.to_string()),
         },
-        Err(OutputError::Open { reason, .. }) => (CheckStatus::Missing, reason),
+        Err(OutputError::Open { reason, .. }) => Err(reason),
         Err(error) => return Err(error.into()),
     };
-    Ok(Finding {
-        check: "outputs",
-        status,
-        needed: true,
-        text,
-        commands: Vec::new(),
-        next_step: String::new(),
-    })
+    Ok(Finding::from_result("outputs", true, can_send))
 }
 
 /// Checks that the folders of transcripts exist, except the folder for the transcripts of setups, which a run creates.

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
+use super::Finding;
 use super::time_limit::probe_within;
-use super::{CheckStatus, Finding};
 use crate::session::focus;
 use crate::setup::Setup;
-use ademan_core::message::{escape, escape_line};
+use ademan_core::message::escape;
 
 /// Longest time in which a desktop answers.
 const TIMEOUT: Duration = Duration::from_secs(5);
@@ -26,23 +26,12 @@ pub fn check_focus(setup: &Setup) -> Option<Finding> {
         let (desktop, rule) = focus::probe(&rules)?;
         Ok((desktop, rule.cloned()))
     });
-    let (status, text) = match probed {
-        Ok((desktop, rule)) => {
-            let rule = rule.map_or("no rule matches it".into(), |rule| {
-                let (application, profile) = (escape(&rule.application), escape(&rule.profile));
-                format!("the rule for `{application}` holds, with the profile `{profile}`")
-            });
-            let text = format!("{desktop} tells which application has the focus; {rule}");
-            (CheckStatus::Ok, text)
-        }
-        Err(reason) => (CheckStatus::Missing, reason),
-    };
-    Some(Finding {
-        check: "focus",
-        status,
-        needed: true,
-        text: escape_line(&text).into_owned(),
-        commands: Vec::new(),
-        next_step: String::new(),
-    })
+    let followed = probed.map(|(desktop, rule)| {
+        let rule = rule.map_or("no rule matches it".into(), |rule| {
+            let (application, profile) = (escape(&rule.application), escape(&rule.profile));
+            format!("the rule for `{application}` holds, with the profile `{profile}`")
+        });
+        format!("{desktop} tells which application has the focus; {rule}")
+    });
+    Some(Finding::from_result("focus", true, followed))
 }

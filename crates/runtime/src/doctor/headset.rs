@@ -2,12 +2,11 @@
 
 use std::time::Duration;
 
+use super::Finding;
 use super::time_limit::probe_within;
-use super::{CheckStatus, Finding};
 use crate::capture::SourceUri;
 use crate::capture::transport::{HAS_OPENXR, describe_runtime};
 use crate::setup::Setup;
-use ademan_core::message::escape_line;
 
 /// Longest time in which a runtime answers. It may have to start its service first.
 const TIMEOUT: Duration = Duration::from_secs(10);
@@ -23,17 +22,6 @@ pub fn check_headset(setup: &Setup) -> Option<Finding> {
         return None;
     }
     let described = probe_within(TIMEOUT, "the OpenXR runtime", REMEDY, describe_runtime);
-    let (status, text) = match described {
-        Ok(runtime) => (CheckStatus::Ok, format!("{runtime} tracks hands")),
-        Err(error) => (CheckStatus::Missing, error),
-    };
-    let (text, next_step) = text.rsplit_once("; ").unwrap_or((&text, ""));
-    Some(Finding {
-        check: "headset",
-        status,
-        needed,
-        text: escape_line(text).into_owned(),
-        commands: Vec::new(),
-        next_step: escape_line(next_step).into_owned(),
-    })
+    let tracks = described.map(|runtime| format!("{runtime} tracks hands"));
+    Some(Finding::from_result("headset", needed, tracks).with_remedy_as_next_step())
 }

@@ -32,6 +32,7 @@ use serde::Serialize;
 use crate::capture::SourceUri;
 use crate::output;
 use crate::setup::Setup;
+use ademan_core::message::escape_line;
 use ademan_core::names::named_enum;
 
 /// The permissions and services that a setup needs.
@@ -96,6 +97,30 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// Returns the finding of something that was tried, with the text of the success or the reason of the failure.
+    pub fn from_result(check: &'static str, needed: bool, tried: Result<String, String>) -> Self {
+        let (status, text) = match tried {
+            Ok(text) => (CheckStatus::Ok, text),
+            Err(reason) => (CheckStatus::Missing, reason),
+        };
+        Self {
+            check,
+            status,
+            needed,
+            text: escape_line(&text).into_owned(),
+            commands: Vec::new(),
+            next_step: String::new(),
+        }
+    }
+
+    /// Moves the remedy, which follows the last semicolon of the text, to the next step.
+    fn with_remedy_as_next_step(mut self) -> Self {
+        if let Some((reason, remedy)) = self.text.rsplit_once("; ") {
+            (self.text, self.next_step) = (reason.to_owned(), remedy.to_owned());
+        }
+        self
+    }
+
     /// Returns `true` if the setup works with this status.
     pub fn is_satisfied(&self) -> bool {
         !self.needed || self.status == CheckStatus::Ok

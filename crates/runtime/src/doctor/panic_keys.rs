@@ -1,6 +1,6 @@
 //! The check of the panic keys, which a session refuses to start without.
 
-use super::{CheckStatus, Finding};
+use super::Finding;
 use crate::session::panic_keys;
 use crate::setup::Setup;
 
@@ -12,19 +12,9 @@ pub fn check_panic_keys(setup: &Setup) -> Option<Finding> {
         return None;
     }
     let keys = panic_keys::parse_keys(&setup.panic_keys);
-    let (status, text) = match keys.and_then(|keys| panic_keys::check(&keys)) {
-        Ok(()) => {
-            let text = "the keyboards of this machine can be watched for `panic_keys`";
-            (CheckStatus::Ok, text.to_owned())
-        }
-        Err(error) => (CheckStatus::Missing, error.to_string()),
+    let watched = match keys.and_then(|keys| panic_keys::check(&keys)) {
+        Ok(()) => Ok("the keyboards of this machine can be watched for `panic_keys`".to_owned()),
+        Err(error) => Err(error.to_string()),
     };
-    Some(Finding {
-        check: "panic keys",
-        status,
-        needed: true,
-        text,
-        commands: Vec::new(),
-        next_step: String::new(),
-    })
+    Some(Finding::from_result("panic keys", true, watched))
 }

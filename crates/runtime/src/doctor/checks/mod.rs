@@ -191,21 +191,9 @@ fn check_watchdog(scope: WatchdogScope) -> Finding {
         WatchdogScope::Available => {
             "a watchdog gets a scope of its own from the user manager of systemd"
         }
-        WatchdogScope::Shared => {
-            return finding(
-                "watchdog",
-                CheckStatus::Missing,
-                false,
-                advice::watchdog_without_scope(true),
-            );
-        }
-        WatchdogScope::Unavailable => {
-            return finding(
-                "watchdog",
-                CheckStatus::Missing,
-                false,
-                advice::watchdog_without_scope(false),
-            );
+        WatchdogScope::Shared | WatchdogScope::Unavailable => {
+            let advice = advice::watchdog_without_scope(scope == WatchdogScope::Shared);
+            return finding("watchdog", CheckStatus::Missing, false, advice);
         }
     };
     ok("watchdog", false, text)

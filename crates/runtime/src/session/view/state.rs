@@ -144,9 +144,7 @@ impl ViewState {
             ..Self::default()
         }
     }
-}
 
-impl ViewState {
     /// Returns the end of [`typed`](Self::typed) for one line of at most `length` characters: with signs for line breaks and tabs, and
     /// `…` in place of what is cut.
     pub fn typed_end(&self, length: usize) -> String {
