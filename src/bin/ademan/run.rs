@@ -10,12 +10,11 @@ use ademan::session::{ControlSocket, SessionOptions};
 use ademan::setup::LoadedSetup;
 use ademan::share::ShareTarget;
 use ademan::{output, priority};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::root_args::RootArgs;
-use crate::setup_args::SetupArgs;
+use crate::setup_args::{SetupArgs, named};
 use crate::view::{self, LiveView, ViewKind, Views};
 use crate::{
     complete, messages, pause_signals, recording_size, release_keys, session, sound, stats,
@@ -61,7 +60,7 @@ pub struct Args {
     #[arg(long, value_name = "VOLUME", num_args = 0..=1, require_equals = true, default_missing_value = sound::DEFAULT, value_parser = sound::volume)]
     sound: Option<f32>,
     /// Feedback to a LucidGloves glove: hold a finger that presses (force), vibrate on touch and press (pulse), both or off
-    #[arg(long, value_name = "KIND", value_parser = haptics())]
+    #[arg(long, value_name = "KIND", value_parser = named(Haptics::ALL, Haptics::name))]
     haptics: Option<Haptics>,
     /// Wait for a device that is not connected yet
     #[arg(long)]
@@ -167,13 +166,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let ended = session.join();
     drop(view);
     stats::report(ended?)
-}
-
-fn haptics() -> impl TypedValueParser<Value = Haptics> {
-    PossibleValuesParser::new(Haptics::ALL.map(Haptics::name)).map(|name| {
-        let kind = Haptics::ALL.into_iter().find(|kind| kind.name() == name);
-        kind.expect("the parser accepts only names of kinds")
-    })
 }
 
 /// Returns what to show. A picture and a transcript cannot share a terminal: the picture replaces a transcript that is

@@ -218,9 +218,17 @@ pub fn role_beside(
 
 /// Returns the parser of `--role` and `--arm-role`.
 pub fn role() -> impl TypedValueParser<Value = SourceRole> {
-    PossibleValuesParser::new(SourceRole::ALL.map(SourceRole::name)).map(|name| {
-        let role = SourceRole::ALL.into_iter().find(|role| role.name() == name);
-        role.expect("the parser accepts only names of roles")
+    named(SourceRole::ALL, SourceRole::name)
+}
+
+/// Returns the parser of an argument that is the name of one of these values.
+pub fn named<T: Copy + Send + Sync + 'static, const N: usize>(
+    values: [T; N],
+    name_of: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(values.map(name_of)).map(move |name| {
+        let value = values.into_iter().find(|value| name_of(*value) == name);
+        value.expect("the parser accepts only these names")
     })
 }
 

@@ -16,19 +16,19 @@ use ademan::capture::protocol::{body_landmarks, joint_sets, lucidgloves};
 use ademan::capture::{Hc11Format, Source, StreamFormat, open_loopback};
 use ademan::command::Command;
 use ademan::document::shipped_layouts;
+use ademan::hand::Side;
 use ademan::layout::{Layout, Motion};
 use ademan::message::{escape, shell_word};
 use ademan::output;
 use ademan::session::{Session, SessionHandle, SessionOptions, Summary};
 use ademan::setup::LoadedSetup;
 use ademan::sim::{PacketWriters, PlaybackStats, SimulatedStream, SimulatedTypist};
-use clap::builder::PossibleValuesParser;
 
 use crate::complete;
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::root_args::RootArgs;
-use crate::setup_args::number_in;
+use crate::setup_args::{number_in, one_of};
 use crate::view::{self, LiveView, Views};
 use crate::{messages, pause_signals, session, signals, stats, watchdog};
 pub use setup::with_simulated_gloves;
@@ -75,8 +75,8 @@ pub struct Args {
     #[arg(long, conflicts_with = "repeat")]
     fast: bool,
     /// The first hand, for boards that are for either. The default is the hand of the person, or right
-    #[arg(long, value_name = "SIDE", value_parser = PossibleValuesParser::new(["left", "right"]))]
-    hand: Option<String>,
+    #[arg(long, value_name = "SIDE", value_parser = one_of::<Side>(Side::NAMES))]
+    hand: Option<Side>,
     /// Bits per second on the simulated serial line
     #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
     baud: u32,

@@ -87,11 +87,7 @@ pub fn with_simulated_gloves(setup: Setup, side: Side) -> Result<Setup, Failure>
 
 /// Returns the side of the first hand.
 fn side(args: &Args, person: Option<&Person>) -> Result<Side, Failure> {
-    let named = args.hand.as_deref().map(|name| match name {
-        "left" => Side::Left,
-        _ => Side::Right,
-    });
-    match (named, person.and_then(|person| person.side)) {
+    match (args.hand, person.and_then(|person| person.side)) {
         (Some(named), Some(own)) if named != own => Err(Failure::wrong_use(format!(
             "--hand {named} contradicts the person, who types with the {own} hand; leave out --hand"
         ))),
