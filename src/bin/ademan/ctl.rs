@@ -209,10 +209,9 @@ fn state_text(reply: &Value) -> String {
     let mut learned = String::new();
     if let Some(ranges) = reply.get("learned") {
         let joint = or_unknown(&ranges["largest"]);
-        let count = &ranges["channels"];
-        let noun = if *count == 1 { "range" } else { "ranges" };
         learned = format!(
-            "\nlearned    {count} {noun} of sensors, at most {} % wider ({joint}); `ademan ctl undo-learning` undoes it",
+            "\nlearned    {} of sensors, at most {} % wider ({joint}); `ademan ctl undo-learning` undoes it",
+            plural(&ranges["channels"], "range", "ranges"),
             ranges["percent"]
         );
     }

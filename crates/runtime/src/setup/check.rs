@@ -94,13 +94,15 @@ impl Setup {
     /// Checks that the rules name profiles of the setup, and each application once.
     fn check_profiles_by_application(&self) -> Result<(), SetupError> {
         let rules = &self.profiles_by_application;
+        let names = || {
+            let further = self.profiles.iter().map(|profile| profile.name.as_str());
+            std::iter::once(MAIN_PROFILE).chain(further)
+        };
         for (index, rule) in rules.iter().enumerate() {
             let ApplicationProfile {
                 application,
                 profile,
             } = rule;
-            let names = self.profiles.iter().map(|it| it.name.as_str());
-            let mut names = std::iter::once(MAIN_PROFILE).chain(names);
             let reason = if application.trim().is_empty() {
                 "the name of an application is empty; `xprop WM_CLASS`, or `swaymsg -t get_tree` on sway, prints the names".into()
             } else if rules[..index]
@@ -108,10 +110,8 @@ impl Setup {
                 .any(|other| other.matches(application))
             {
                 format!("two rules for `{}`", escape(application))
-            } else if !names.any(|name| name == profile) {
-                let known = self.profiles.iter().map(|it| it.name.as_str());
-                let known = std::iter::once(MAIN_PROFILE).chain(known);
-                let unknown = UnknownName::new("profile", profile, known);
+            } else if !names().any(|name| name == profile) {
+                let unknown = UnknownName::new("profile", profile, names());
                 format!("{unknown}; add it to `profiles`")
             } else {
                 continue;

@@ -369,23 +369,18 @@ fn recentered(layout: &Layout, hands: &Hands) -> Scene {
 impl fmt::Display for ReachReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = self.targets.len();
-        let noun = match count {
-            1 => "control",
-            _ => "controls",
-        };
-        write!(f, "{count} {noun} out of reach, nearest first: ")?;
-        for (index, (name, metres)) in self.targets.iter().take(MAX_NAMES).enumerate() {
-            let separator = match index {
-                0 => "",
-                _ => ", ",
-            };
-            write!(f, "{separator}`{}`", escape(name))?;
+        let noun = if count == 1 { "control" } else { "controls" };
+        let shown = |(name, metres): &(&str, f64)| {
+            let name = escape(name);
             if metres.is_finite() {
-                write!(f, " ({:.0} mm)", metres * 1e3)?
+                format!("`{name}` ({:.0} mm)", metres * 1e3)
             } else {
-                write!(f, " (no position)")?
+                format!("`{name}` (no position)")
             }
-        }
+        };
+        let targets: Vec<String> = self.targets.iter().take(MAX_NAMES).map(shown).collect();
+        let targets = targets.join(", ");
+        write!(f, "{count} {noun} out of reach, nearest first: {targets}")?;
         if count > MAX_NAMES {
             write!(f, ", and {} more", count - MAX_NAMES)?;
         }

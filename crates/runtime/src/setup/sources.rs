@@ -349,7 +349,7 @@ impl LoadedSetup {
         sides: impl IntoIterator<Item = Side>,
         period: PacketPeriod,
     ) -> Result<Box<dyn Source>, SetupError> {
-        let format = Hc11Format::default();
+        let line = Hc11Format::default();
         Ok(match source {
             SourceUri::Recording { path } => {
                 // The setup has the permissions.
@@ -360,19 +360,15 @@ impl LoadedSetup {
                 })
             }
             // The simulated person has all hands of the setup, also where another source measures one of them.
-            SourceUri::Typist { text, format: None } => {
-                let stream = Box::new(self.typist(text, &format, 0.0, 0)?);
-                Box::new(SidedSource::new(stream, sides))
-            }
-            SourceUri::Typist {
-                text,
-                format: Some(given),
-            } => {
-                let stream = Box::new(self.encoded_typist(text, given, 0.0, 0)?);
+            SourceUri::Typist { text, format } => {
+                let stream: Box<dyn Source> = match format {
+                    None => Box::new(self.typist(text, &line, 0.0, 0)?),
+                    Some(format) => Box::new(self.encoded_typist(text, format, 0.0, 0)?),
+                };
                 Box::new(SidedSource::new(stream, sides))
             }
             SourceUri::Script { script } => {
-                let stream = Box::new(self.scripted(script, &format, 0.0, 0)?);
+                let stream = Box::new(self.scripted(script, &line, 0.0, 0)?);
                 Box::new(SidedSource::new(stream, sides))
             }
             SourceUri::Stream(stream) => {
