@@ -6,7 +6,7 @@ use crate::measures::{KeystrokeClasses, PointingResult};
 use crate::sim::{EditCounts, TypingScore};
 
 /// The kind of a trial.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TrialKind {
     /// A phrase of the study.
@@ -16,6 +16,7 @@ pub enum TrialKind {
     /// A value of a slider or knob.
     Value,
     /// A practice session, with a text of its own.
+    #[default]
     Practice,
 }
 
@@ -32,7 +33,7 @@ impl TrialKind {
 }
 
 /// The outcome of a trial of a participant. Numbers that a kind of trial does not have are `None`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// The pseudonym.
     pub participant: String,

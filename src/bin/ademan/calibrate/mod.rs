@@ -37,7 +37,7 @@ use crate::source_value::{self, SourceValue};
 use crate::{complete, messages, signals};
 
 /// Fit a glove file to a hand: take the poses that are shown, and hold each for a second
-#[derive(clap::Args)]
+#[derive(Default, clap::Args)]
 #[command(
     after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --fingers --source 'serial:/dev/ttyUSB0?protocol=lucidgloves' --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n  ademan calibrate --discover --source 'tcp:localhost:10002' --out new-glove.ron\n  ademan calibrate --hysteresis cycles.mcap --glove my-glove.ron\n\nNothing is typed during a calibration. The readings are kept beside the glove file, and --from calibrates with them again."
 )]
@@ -97,21 +97,12 @@ impl Args {
         countdown: f64,
     ) -> Self {
         Self {
-            setup: None,
             out: Some(out),
-            force: false,
-            from: None,
-            demo: None,
-            demo_glove: None,
             fingers: true,
-            discover: false,
-            hysteresis: None,
-            hand: None,
             countdown,
             source: Some(source),
             glove,
-            person: None,
-            lengths: LengthArgs::default(),
+            ..Self::default()
         }
     }
 

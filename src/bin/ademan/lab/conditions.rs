@@ -124,11 +124,6 @@ impl ConditionArgs {
 }
 
 impl Prepared {
-    /// Returns `true` if a text decoder reads what is typed.
-    pub fn has_decoder(&self) -> bool {
-        self.decoder.is_some()
-    }
-
     /// Returns a run with half of the phrases. The held-out half has other people, and errors from another seed.
     pub fn half(&self, is_held_out: bool) -> Result<Self, Failure> {
         let seed = if is_held_out {
@@ -265,11 +260,6 @@ impl Prepared {
     /// Returns the number of people.
     pub fn people(&self) -> usize {
         self.participants.len()
-    }
-
-    /// Returns the people.
-    pub fn participants(&self) -> &[Participant] {
-        &self.participants
     }
 
     /// Returns the run of a part of the people, by their indices.

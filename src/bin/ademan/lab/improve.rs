@@ -188,7 +188,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     read.extend(document.path.clone());
     result_files::check(&args.outputs.paths(), &read)?;
     let prepared = Prepared::new(&args.conditions.with_people(PEOPLE))?;
-    if prepared.has_decoder() {
+    if prepared.decoder.is_some() {
         return Err(Failure::wrong_use(
             "layouts are improved without a text decoder; use --decoder off",
         ));

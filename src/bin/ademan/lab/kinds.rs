@@ -40,7 +40,7 @@ pub fn check(prepared: &Prepared, layouts: &[Document]) -> Result<(), Failure> {
 /// Returns `true` if the first person types on a layout, `false` if no key of it types a letter or a digit of the phrases, and `None`
 /// if it depends on the people.
 fn types(prepared: &Prepared, layout: &Document) -> Option<bool> {
-    let person = prepared.participants().first()?;
+    let person = prepared.participants.first()?;
     // The score reports an error.
     let mut station = Station::new(layout, person, prepared.source).ok()?;
     if let Some(decoder) = &prepared.decoder

@@ -77,6 +77,14 @@ fn write_html(path: &Path, results: &[LabResult]) -> Result<(), Failure> {
     write_text(path, &text)
 }
 
+/// Creates a folder that only its owner can read, unless it exists.
+pub fn create_folder(path: &Path) -> Result<(), Failure> {
+    files::create_private_folder(path).map_err(|error| {
+        let folder = escape_path(path);
+        Failure::wrong_use(format!("cannot use the folder {folder}: {error}"))
+    })
+}
+
 /// Writes a file that only its owner can read.
 pub fn write_private(path: &Path, text: &str) -> Result<(), Failure> {
     files::replace_private_text(path, text).map_err(|error| cannot_write(path, &error))

@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use ademan::document::Document;
-use ademan::files::{self, FileError};
+use ademan::files;
 use ademan::layout::Layout;
 use ademan::measures::LabResult;
 use ademan::message::{escape_line, escape_path, shell_word};
@@ -82,11 +82,7 @@ pub fn plan(args: &PlanArgs) -> Result<(), Failure> {
     let plan = Plan::new(runs, people, usize::from(args.shards), own);
     let path = args.to.join(PLAN);
     let shown = escape_path(&path);
-    let cannot_write = |error: FileError| Failure::job(format!("cannot write {shown}: {error}"));
-    files::create_private_folder(&args.to).map_err(|error| {
-        let folder = escape_path(&args.to);
-        Failure::wrong_use(format!("cannot use the folder {folder}: {error}"))
-    })?;
+    outputs::create_folder(&args.to)?;
     if path.symlink_metadata().is_ok() {
         let is_same = read_plan(&args.to).is_ok_and(|old| old.hash() == plan.hash());
         if !is_same {
@@ -95,7 +91,7 @@ pub fn plan(args: &PlanArgs) -> Result<(), Failure> {
             )));
         }
     } else {
-        files::replace_private_text(&path, &plan.to_json()).map_err(cannot_write)?;
+        outputs::write_private(&path, &plan.to_json())?;
     }
     let folder = shell_word(&args.to.to_string_lossy()).to_string();
     let shards = counted(plan.shards as u64, "shard");
@@ -208,7 +204,7 @@ pub fn merge(args: &MergeArgs) -> Result<(), Failure> {
         .first()
         .ok_or_else(|| Failure::wrong_use("the plan is empty"))?;
     let prepared = Prepared::again(first, None)?;
-    let mut results = plan.merge(prepared.participants(), &shards);
+    let mut results = plan.merge(&prepared.participants, &shards);
     for result in &results {
         prepared.check(&document_of(result), &result.scores)?;
     }

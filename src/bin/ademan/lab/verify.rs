@@ -32,7 +32,7 @@ pub fn run(path: &Path, jobs: Option<NonZeroUsize>) -> Result<(), Failure> {
                 "{file}: the people are the same, and the figures of all of them differ; the file was changed"
             )));
         }
-        if prepared.participants() != result.participants {
+        if prepared.participants != result.participants {
             return Err(Failure::job(format!(
                 "{file}: the parameters of the people differ; the file was changed"
             )));

@@ -50,10 +50,15 @@ pub struct CharacterScore {
 }
 
 impl CharacterScore {
+    /// Returns the times at which it was typed.
+    pub fn correct(&self) -> usize {
+        self.attempts.saturating_sub(self.errors)
+    }
+
     /// Returns the character with its correct and all attempts.
     pub fn correct_of(&self) -> String {
-        let correct = self.attempts - self.errors.min(self.attempts);
-        format!("{} {correct}/{}", shown(self.character), self.attempts)
+        let name = shown(self.character);
+        format!("{name} {}/{}", self.correct(), self.attempts)
     }
 
     /// Returns the fraction of errors, 0..=1.
@@ -264,7 +269,8 @@ pub fn names(fingers: &[Finger]) -> String {
     names.join(" + ")
 }
 
-fn shown(character: char) -> String {
+/// Returns a character as it is written in a list.
+pub fn shown(character: char) -> String {
     match character {
         ' ' => "space".to_owned(),
         character => escape(&character.to_string()).into_owned(),

@@ -11,7 +11,7 @@ use serde_json::json;
 use super::heat;
 use super::history::{Progress, SessionResult, rounded};
 use super::lesson::{ChordLegend, Lesson};
-use super::line::{CharacterScore, PracticeLine, errors, names};
+use super::line::{CharacterScore, PracticeLine, errors, names, shown};
 use crate::failure::Failure;
 use crate::messages;
 
@@ -78,7 +78,10 @@ impl Report {
             insertions: edits.insertions,
             deletions: edits.deletions,
             pointing: None,
-            chords: self.chord_scores().map(counts).collect(),
+            chords: self
+                .chord_scores()
+                .map(|it| (it.character, [it.correct(), it.attempts]))
+                .collect(),
         }
     }
 
@@ -197,16 +200,7 @@ pub fn now() -> String {
     humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }
 
-/// Returns the correct and all attempts of a chord.
-fn counts(score: &CharacterScore) -> (char, [usize; 2]) {
-    let correct = score.attempts - score.errors.min(score.attempts);
-    (score.character, [correct, score.attempts])
-}
-
 fn in_words(score: &CharacterScore) -> String {
-    let name = match score.character {
-        ' ' => "space".to_owned(),
-        character => escape(&character.to_string()).into_owned(),
-    };
+    let name = shown(score.character);
     format!("{name} {} of {}", score.errors, score.attempts)
 }

@@ -183,30 +183,16 @@ fn script_for(layout: &Layout, target: TargetId, name: &str, goal: f64) -> Strin
     format!("press \"{name}\" {movement}; lift; wait 2500")
 }
 
+/// Returns a practice session without figures.
 fn empty(args: &AddArgs, layout: &str, order: usize) -> Trial {
     Trial {
         participant: args.participant.clone(),
         order,
         layout: layout.to_owned(),
-        kind: TrialKind::Practice,
-        task: None,
         time: practice::now(),
         is_simulated: args.simulated,
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
-        seconds: 0.0,
-        presented: None,
-        typed: None,
-        characters: None,
-        substitutions: None,
-        insertions: None,
-        deletions: None,
-        keystrokes: None,
-        backspaces: None,
-        deleted: None,
-        wpm: None,
-        pointing: None,
-        value: None,
-        recording: None,
+        ..Trial::default()
     }
 }
 

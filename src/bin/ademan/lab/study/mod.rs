@@ -10,7 +10,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::document::{Document, FileKind};
-use ademan::files::{self, OpenDocument};
+use ademan::files::OpenDocument;
 use ademan::message::{escape, escape_path, shell_word};
 use ademan::people::{People, population};
 use ademan::phrases::{Corpus, PhraseSet};
@@ -140,12 +140,8 @@ fn new(args: &NewArgs) -> Result<(), Failure> {
     }
     let path = args.folder.join(STUDY);
     let shown = escape_path(&path);
-    files::create_private_folder(&args.folder).map_err(|error| {
-        let folder = escape_path(&args.folder);
-        Failure::wrong_use(format!("cannot use the folder {folder}: {error}"))
-    })?;
-    files::replace_private_text(&path, &study.to_json())
-        .map_err(|error| Failure::job(format!("cannot write {shown}: {error}")))?;
+    outputs::create_folder(&args.folder)?;
+    outputs::write_private(&path, &study.to_json())?;
     let folder = shell_word(&args.folder.to_string_lossy()).to_string();
     let tasks = counted(study.order(0).len() as u64, "task");
     writeln!(

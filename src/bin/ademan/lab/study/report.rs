@@ -3,12 +3,12 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use ademan::files;
-use ademan::message::{escape, escape_path};
+use ademan::message::escape;
 use ademan::session::counted;
 use ademan::study::{LayoutFigures, Study, figures, study_to_html, trials_to_csv};
 
 use super::super::table::row;
+use super::outputs::write_private;
 use super::trials::{self, Trials};
 use crate::failure::Failure;
 use crate::result_files;
@@ -42,9 +42,10 @@ pub fn run(args: &ReportArgs) -> Result<(), Failure> {
     let trials = Trials::read(&args.folder)?;
     // The files come first: a reader of the text that ends early must not cost them.
     let csv = args.csv.as_ref();
-    let csv = csv.map(|path| write_file(path, &trials_to_csv(&trials.all)));
+    let csv = csv.map(|path| write_private(path, &trials_to_csv(&trials.all)));
     let html = args.html.as_ref();
-    let html = html.map(|path| write_file(path, &study_to_html(&trials.all, args.with_practice)));
+    let html =
+        html.map(|path| write_private(path, &study_to_html(&trials.all, args.with_practice)));
     let printed = print(args, &study, &trials);
     [csv, html]
         .into_iter()
@@ -80,12 +81,6 @@ fn print(args: &ReportArgs, study: &Study, trials: &Trials) -> io::Result<()> {
         }
     }
     Ok(())
-}
-
-/// Writes a file that only its owner can read.
-fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
-    files::replace_private_text(path, text)
-        .map_err(|error| Failure::job(format!("cannot write {}: {error}", escape_path(path))))
 }
 
 fn write_layout(figures: &LayoutFigures, out: &mut impl Write) -> io::Result<()> {
