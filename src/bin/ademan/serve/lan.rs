@@ -183,12 +183,8 @@ fn is_off(control: Option<&Path>) -> bool {
 fn allow_keys(control: Option<PathBuf>) -> Result<(), String> {
     let path = ctl::socket_path(control).map_err(|failure| failure.to_string())?;
     let mut client = Client::connect(&path).map_err(|error| error.to_string())?;
-    let reply = client.request(r#"{"command":"allow-keys"}"#);
-    let reply = reply.map_err(|error| error.to_string())?;
-    match serde_json::from_str::<serde_json::Value>(&reply) {
-        Ok(reply) if reply["ok"] == true => Ok(()),
-        _ => Err(reply),
-    }
+    let executed = client.execute(&ademan::command::Command::AllowKeys);
+    executed.map_err(|error| error.to_string())
 }
 
 #[cfg(test)]
