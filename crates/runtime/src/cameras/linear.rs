@@ -74,18 +74,11 @@ pub fn camera_from_points(
     if pixel_size <= 0.0 {
         return Err(LinearError::Inconsistent);
     }
-    let mut rows = DMatrix::<f64>::zeros(2 * found, 12);
-    for (index, (point, pixel)) in points.iter().zip(pixels).enumerate() {
+    let pairs = points.iter().zip(pixels).map(|(point, pixel)| {
         let place = ((*point - middle) / size).extend(1.0).to_array();
-        let at = (*pixel - pixel_middle) / pixel_size;
-        for (column, value) in place.into_iter().enumerate() {
-            rows[(2 * index, column)] = value;
-            rows[(2 * index, 8 + column)] = -at.x * value;
-            rows[(2 * index + 1, 4 + column)] = value;
-            rows[(2 * index + 1, 8 + column)] = -at.y * value;
-        }
-    }
-    let solution = null_vector(&rows);
+        (place, (*pixel - pixel_middle) / pixel_size)
+    });
+    let solution = null_vector(&projection_equations(pairs));
     // Pixels and places as they are, from those around their middles.
     let row = |index: usize| {
         let values = &solution[4 * index..4 * index + 4];
@@ -156,6 +149,22 @@ fn thickness(points: &[DVec3]) -> f64 {
     (extents.min().max(0.0) / extents.max().max(f64::MIN_POSITIVE)).sqrt()
 }
 
+/// Returns the equations of the projection, row by row, that takes places in homogeneous coordinates to points of an image.
+fn projection_equations<const N: usize>(
+    pairs: impl ExactSizeIterator<Item = ([f64; N], DVec2)>,
+) -> DMatrix<f64> {
+    let mut rows = DMatrix::<f64>::zeros(2 * pairs.len(), 3 * N);
+    for (index, (place, at)) in pairs.enumerate() {
+        for (column, value) in place.into_iter().enumerate() {
+            rows[(2 * index, column)] = value;
+            rows[(2 * index, 2 * N + column)] = -at.x * value;
+            rows[(2 * index + 1, N + column)] = value;
+            rows[(2 * index + 1, 2 * N + column)] = -at.y * value;
+        }
+    }
+    rows
+}
+
 /// Returns the unit vector for which the equations fail least.
 fn null_vector(rows: &DMatrix<f64>) -> Vec<f64> {
     let squares = rows.transpose() * rows;
@@ -167,16 +176,9 @@ fn null_vector(rows: &DMatrix<f64>) -> Vec<f64> {
 /// Returns `true` if one map between planes takes the points of the first camera into the points of the second one, as it does if
 /// the points lie in a plane or on a line.
 fn is_flat(directions: &[(DVec2, DVec2)]) -> bool {
-    let mut rows = DMatrix::<f64>::zeros(2 * directions.len(), 9);
-    for (index, (first, second)) in directions.iter().enumerate() {
-        for (column, value) in first.extend(1.0).to_array().into_iter().enumerate() {
-            rows[(2 * index, column)] = value;
-            rows[(2 * index, 6 + column)] = -second.x * value;
-            rows[(2 * index + 1, 3 + column)] = value;
-            rows[(2 * index + 1, 6 + column)] = -second.y * value;
-        }
-    }
-    let map = DMat3::from_cols_slice(&null_vector(&rows)).transpose();
+    let pairs = directions.iter();
+    let pairs = pairs.map(|(first, second)| (first.extend(1.0).to_array(), *second));
+    let map = DMat3::from_cols_slice(&null_vector(&projection_equations(pairs))).transpose();
     let middle =
         directions.iter().map(|(_, second)| *second).sum::<DVec2>() / directions.len() as f64;
     let mut errors: Vec<f64> = Vec::new();

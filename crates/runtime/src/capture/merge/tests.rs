@@ -34,10 +34,11 @@ impl Source for TimedSource {
     }
 }
 
-fn start(left: TimedSource, right: TimedSource) -> MergedSource {
-    let sources = [(Side::Left, left), (Side::Right, right)];
+fn start(left: impl Source + 'static, right: impl Source + 'static) -> MergedSource {
+    let sources: [(Side, Box<dyn Source>); 2] =
+        [(Side::Left, Box::new(left)), (Side::Right, Box::new(right))];
     let sources = sources.map(|(side, source)| PartialSource {
-        source: Box::new(source),
+        source,
         side: Some(side),
         part: None,
         delay: Duration::ZERO,
@@ -141,10 +142,7 @@ impl Source for PartSource {
             std::thread::sleep(Duration::from_millis(1));
             return Ok(SourceEvent::Idle);
         }
-        let angles = Default::default();
-        let time = Timestamp(self.0.remove(0)?);
-        let reading = Reading::new(time, None, Sample::Angles { angles });
-        Ok(SourceEvent::Reading(reading))
+        Ok(empty_reading(self.0.remove(0)?))
     }
 
     fn name(&self) -> &str {
@@ -297,17 +295,7 @@ fn a_slow_consumer_receives_every_reading_of_a_hand_beside_one_that_floods() {
         received: received.clone(),
         started_at: Instant::now(),
     };
-    let sources: [(Side, Box<dyn Source>); 2] = [
-        (Side::Left, Box::new(Flood(0, received.clone()))),
-        (Side::Right, Box::new(steady)),
-    ];
-    let sources = sources.map(|(side, source)| PartialSource {
-        source,
-        side: Some(side),
-        part: None,
-        delay: Duration::ZERO,
-    });
-    let merged = MergedSource::start(sources.into_iter().collect()).unwrap();
+    let merged = start(Flood(0, received.clone()), steady);
     let capture = spawn(merged).unwrap();
     let (mut calm, mut flooded, mut dropped) = (0, 0, 0);
     for event in capture.events() {

@@ -177,6 +177,7 @@ impl ActiveLayout {
 
     /// Writes the size of the boards and their poses to the file, unless another program has changed it.
     pub fn save(&mut self, poses: &[BoardPose]) -> Result<String, String> {
+        let active = self.document();
         let file = self.file.as_mut().ok_or(SHIPPED)?;
         let name = escape(&self.layout.file);
         if self.is_trial {
@@ -193,7 +194,6 @@ impl ActiveLayout {
         if on_disk.text != file.text() {
             return Err(differs());
         }
-        let active = Document::new(self.layout.file.as_str(), self.layout.text.as_str());
         let text = layout::move_boards(&active, poses, &self.layout.fit)
             .map_err(|error| error.to_string())?;
         if text == on_disk.text {
