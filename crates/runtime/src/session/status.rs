@@ -269,45 +269,42 @@ impl StatusLog {
             let notice = |more| Notice::Rejected(more, reason);
             update(Topic::Rejected(reason), reported, count, &notice);
         }
-        let (suppressed, dropped) = (&stats.suppressed, stats.source.dropped);
-        let counters = [
-            (Topic::Dropped, &mut self.dropped, dropped),
-            (
-                Topic::DroppedPresses,
-                &mut self.dropped_presses,
-                stats.dropped_presses,
-            ),
-            (
-                Topic::SystemKeys,
-                &mut self.system_keys,
-                suppressed.system_keys,
-            ),
-            (
-                Topic::KeysByRole,
-                &mut self.keys_by_role,
-                suppressed.keys_by_role,
-            ),
-            (
-                Topic::PointingByRole,
-                &mut self.pointing_by_role,
-                suppressed.pointing_by_role,
-            ),
-        ];
+        update(
+            Topic::Dropped,
+            &mut self.dropped,
+            stats.source.dropped,
+            &Notice::Dropped,
+        );
+        update(
+            Topic::DroppedPresses,
+            &mut self.dropped_presses,
+            stats.dropped_presses,
+            &Notice::DroppedPresses,
+        );
+        let suppressed = &stats.suppressed;
+        update(
+            Topic::SystemKeys,
+            &mut self.system_keys,
+            suppressed.system_keys,
+            &Notice::SystemKeysSuppressed,
+        );
         let has_control_socket = self.has_control_socket;
         let keys_by_role = |count| Notice::KeysSuppressed {
             count,
             has_control_socket,
         };
-        let notices: [&dyn Fn(u64) -> Notice; 5] = [
-            &Notice::Dropped,
-            &Notice::DroppedPresses,
-            &Notice::SystemKeysSuppressed,
+        update(
+            Topic::KeysByRole,
+            &mut self.keys_by_role,
+            suppressed.keys_by_role,
             &keys_by_role,
+        );
+        update(
+            Topic::PointingByRole,
+            &mut self.pointing_by_role,
+            suppressed.pointing_by_role,
             &Notice::PointingSuppressed,
-        ];
-        for ((topic, reported, count), notice) in counters.into_iter().zip(notices) {
-            update(topic, reported, count, notice);
-        }
+        );
     }
 
     /// Reports hands that are lost or found, by side. A loss does not delay the report that the hand is back.
