@@ -6,7 +6,7 @@
 
 use ademan_core::message::{escape_path, shell_word};
 use std::fs::{self, File, FileType, Metadata};
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 mod config;
@@ -111,6 +111,23 @@ pub fn open_regular(path: &Path) -> Result<File, FileError> {
     check_regular(file.metadata()?.file_type())?;
     system::wait_from_now_on(&file)?;
     Ok(file)
+}
+
+/// Reads a regular file of at most this many MiB.
+pub fn read_regular(path: &Path, most_mib: u64) -> Result<Vec<u8>, FileError> {
+    let most = most_mib << 20;
+    let mut bytes = Vec::new();
+    open_regular(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(io::Error::other(format!("it is larger than {most_mib} MiB")).into());
+    }
+    Ok(bytes)
+}
+
+/// Reads a regular file of at most this many MiB as text.
+pub fn read_regular_text(path: &Path, most_mib: u64) -> Result<String, FileError> {
+    let text = String::from_utf8(read_regular(path, most_mib)?);
+    text.map_err(|_| io::Error::other("it is not UTF-8 text").into())
 }
 
 /// Opens a file for reading that decides what is typed: a layout, a setup, a glove, an arm or a script. Only this user and root

@@ -79,6 +79,18 @@ fn a_regular_file_is_read_through_links() {
 }
 
 #[test]
+fn a_file_that_is_too_large_is_refused_also_if_the_limit_cuts_a_character() {
+    let folder = Folder::new();
+    let path = folder.at("large");
+    let most = "/".repeat(1 << 20);
+    fs::write(&path, &most).unwrap();
+    assert_eq!(read_regular_text(&path, 1).unwrap(), most);
+    fs::write(&path, most + "é").unwrap();
+    let error = read_regular_text(&path, 1).unwrap_err();
+    assert_eq!(error.to_string(), "it is larger than 1 MiB");
+}
+
+#[test]
 fn an_existing_file_becomes_private_before_it_is_written() {
     let folder = Folder::new();
     let path = folder.file("wide", 0o666);

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 use std::fs;
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
@@ -13,8 +13,8 @@ use ademan::message::{escape_line, escape_path};
 use super::picture::Picture;
 use crate::failure::Failure;
 
-/// Longest file of a picture, in bytes.
-const MAX_BYTES: u64 = 1 << 28;
+/// Largest file of a picture, in MiB.
+const MAX_MIB: u64 = 256;
 
 /// The formats of films that `ffmpeg` may find in a file, whatever its name. Playlists are none: they name other files, on other machines
 /// too, and may never end.
@@ -76,7 +76,9 @@ impl Frames {
         match self {
             Self::Folder(paths) => Ok(paths.next().map(|path| Frame {
                 name: escape_path(&path).to_string(),
-                picture: read(&path).and_then(|bytes| Picture::decode(&bytes)),
+                picture: files::read_regular(&path, MAX_MIB)
+                    .map_err(|error| error.to_string())
+                    .and_then(|bytes| Picture::decode(&bytes)),
             })),
             Self::Film(film) => film.next_frame(),
         }
@@ -182,16 +184,6 @@ fn no_ffmpeg(path: &Path, error: &std::io::Error) -> Failure {
         "cannot start ffmpeg, which reads the film {}: {error}; install it (`sudo apt install ffmpeg`), or name a folder of PNG or JPEG pictures",
         escape_path(path)
     ))
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, String> {
-    let file = files::open_regular(path).map_err(|error| error.to_string())?;
-    let mut bytes = Vec::new();
-    let read = file.take(MAX_BYTES).read_to_end(&mut bytes);
-    match read.map_err(|error| error.to_string())? as u64 {
-        MAX_BYTES => Err("it is longer than 256 MiB".to_owned()),
-        _ => Ok(bytes),
-    }
 }
 
 fn name(path: &Path) -> String {

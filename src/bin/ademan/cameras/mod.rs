@@ -7,7 +7,7 @@ mod markers;
 mod picture;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use ademan::cameras::{
@@ -24,8 +24,8 @@ use crate::arm::{OutputArgs, poses};
 use crate::failure::Failure;
 use crate::new_file;
 
-/// Longest file of cameras or known points, in bytes.
-const MAX_BYTES: u64 = 1 << 20;
+/// Largest file of cameras or known points, in MiB.
+const MAX_MIB: u64 = 1;
 
 /// Pixels beyond the edge of an image that the noise of a mark explains.
 const EDGE_PX: f64 = 2.0;
@@ -381,20 +381,9 @@ fn read_points(path: &Path) -> Result<BTreeMap<String, DVec3>, Failure> {
 }
 
 fn read_document(path: &Path) -> Result<Document, Failure> {
-    Ok(Document::new(path.to_string_lossy(), read_text(path)?))
-}
-
-fn read_text(path: &Path) -> Result<String, Failure> {
-    let file = files::open_regular(path).map_err(|error| Failure::cannot_read(path, error))?;
-    let mut bytes = Vec::new();
-    let read = file.take(MAX_BYTES).read_to_end(&mut bytes);
-    match read.map_err(|error| Failure::cannot_read(path, error))? as u64 {
-        // The limit may cut a character.
-        MAX_BYTES => Err(Failure::cannot_read(path, "it is longer than 1 MiB")),
-        _ => {
-            String::from_utf8(bytes).map_err(|_| Failure::cannot_read(path, "it is not UTF-8 text"))
-        }
-    }
+    let text = files::read_regular_text(path, MAX_MIB);
+    let text = text.map_err(|error| Failure::cannot_read(path, error))?;
+    Ok(Document::new(path.to_string_lossy(), text))
 }
 
 /// Returns the form of a file by its name.
@@ -421,16 +410,6 @@ fn size(text: &str) -> Result<DVec2, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_file_that_is_too_long_is_named_also_if_the_limit_cuts_a_character() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("cameras.ron");
-        let before = "/".repeat(MAX_BYTES as usize - 1);
-        std::fs::write(&path, before + "é").unwrap();
-        let error = read_text(&path).unwrap_err().to_string();
-        assert!(error.ends_with("it is longer than 1 MiB"), "{error}");
-    }
 
     #[test]
     fn a_point_whose_place_is_not_a_number_is_named() {

@@ -88,7 +88,7 @@ impl Destination {
                 )));
             };
             let checked = files::check_overwrite(path);
-            checked.map_err(|error| Failure::wrong_use(cannot_write(path, &error)))?;
+            checked.map_err(|error| Failure::cannot_write(path, error))?;
             return Ok(Self::Same(path.clone()));
         }
         let path = args.output.clone().unwrap_or_else(|| {
@@ -134,7 +134,7 @@ impl Destination {
                         create(&copy)?;
                         Ok(Written::Beside(copy))
                     }
-                    Err(error) => Err(Failure::job(cannot_write(path, &error))),
+                    Err(error) => Err(outputs::cannot_write(path, &error)),
                 }
             }
         }
@@ -165,10 +165,6 @@ impl Written {
         );
         new_file::announce(path, &origin, &next)
     }
-}
-
-fn cannot_write(path: &Path, error: &FileError) -> String {
-    format!("cannot write {}: {error}", escape_path(path))
 }
 
 /// Returns a name beside a layout that no other file has.

@@ -1,6 +1,5 @@
 //! Files of results.
 
-use std::io::Read;
 use std::path::Path;
 
 use ademan::document::Document;
@@ -14,27 +13,17 @@ use ademan::report::{to_csv, to_html};
 use super::OutputArgs;
 use crate::failure::Failure;
 
-/// The largest text and result that is read, in bytes.
-const MAX_BYTES: u64 = 256 << 20;
+/// The largest text and result that is read, in MiB.
+const MAX_MIB: u64 = 256;
 
 /// Reads a file as text. The error has no path.
 pub fn read_text(path: &Path) -> Result<String, String> {
-    let bytes = read_bytes(path)?;
-    String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_owned())
+    files::read_regular_text(path, MAX_MIB).map_err(|error| error.to_string())
 }
 
 /// Reads the bytes of a file. The error has no path.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
-    let file = files::open_regular(path).map_err(|error| error.to_string())?;
-    let mut bytes = Vec::new();
-    let read = file.take(MAX_BYTES).read_to_end(&mut bytes);
-    match read {
-        Ok(count) if count as u64 == MAX_BYTES => {
-            Err(format!("it has more than {} MB", MAX_BYTES >> 20))
-        }
-        Ok(_) => Ok(bytes),
-        Err(error) => Err(error.to_string()),
-    }
+    files::read_regular(path, MAX_MIB).map_err(|error| error.to_string())
 }
 
 /// Reads the phrases of a file.
@@ -95,6 +84,7 @@ fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
     files::replace_public_text(path, text).map_err(|error| cannot_write(path, &error))
 }
 
-fn cannot_write(path: &Path, error: &FileError) -> Failure {
+/// Returns the failure of a result that cannot be written.
+pub fn cannot_write(path: &Path, error: &FileError) -> Failure {
     Failure::job(format!("cannot write {}: {error}", escape_path(path)))
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::files::{self, FileError, LockedFile};
@@ -18,8 +18,8 @@ use crate::new_file;
 /// Sessions that are kept. Older ones are dropped.
 const MAX_SESSIONS: usize = 1000;
 
-/// The largest file that is read, in bytes: far more than [`MAX_SESSIONS`] lines.
-const MAX_BYTES: u64 = 1 << 20;
+/// The largest file that is read, in MiB: far more than [`MAX_SESSIONS`] lines.
+const MAX_MIB: u64 = 1;
 
 /// Sessions of the progress, and of the printed history.
 const SHOWN: usize = 10;
@@ -140,7 +140,7 @@ impl History {
     }
 
     fn read_file(&mut self, file: &Path) {
-        (self.sessions, self.damage) = match read_bytes(file) {
+        (self.sessions, self.damage) = match files::read_regular(file, MAX_MIB) {
             Ok(bytes) => parsed(&bytes),
             Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {
                 (Vec::new(), None)
@@ -323,16 +323,6 @@ impl Progress {
 /// Rounds to a multiple of 1/`scale`.
 pub fn rounded(value: f64, scale: f64) -> f64 {
     (value * scale).round() / scale
-}
-
-fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
-    let mut bytes = Vec::new();
-    let file = files::open_regular(path)?;
-    file.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(io::Error::other("it is larger than 1 MiB").into());
-    }
-    Ok(bytes)
 }
 
 /// Returns the sessions of a file, and the reason why there may be more in it.

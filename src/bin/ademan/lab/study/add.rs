@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 
 use ademan::contact::TargetId;
 use ademan::document::Document;
-use ademan::files::{self, FileError};
+use ademan::files;
 use ademan::layout::{ControlKind, Handle, Layout};
-use ademan::message::{escape, escape_path};
+use ademan::message::escape;
 use ademan::session::counted;
 use ademan::study::{Study, StudyLayout, Task, Trial, TrialKind, check_pseudonym};
 
+use super::outputs;
 use super::task::StudyTask;
 use super::trials::Trials;
 use crate::failure::Failure;
@@ -207,9 +208,7 @@ fn layout_file(folder: &Path, layout: &StudyLayout) -> Result<String, Failure> {
     let path = folder.join(format!("{stem}.ron"));
     let written = files::create_private_folder(&folder)
         .and_then(|()| files::replace_private_text(&path, &layout.text));
-    written.map_err(|error: FileError| {
-        Failure::job(format!("cannot write {}: {error}", escape_path(&path)))
-    })?;
+    written.map_err(|error| outputs::cannot_write(&path, &error))?;
     // With a folder, it means a file.
     let path = fs::canonicalize(&path)?;
     Ok(path.to_string_lossy().into_owned())
