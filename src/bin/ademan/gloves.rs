@@ -6,18 +6,11 @@ use ademan::layout::Glove;
 use ademan::message::shell_word;
 
 use crate::failure::Failure;
-use crate::list::{ListArgs, Row, documents, invalid};
+pub use crate::list::ListArgs as Args;
+use crate::list::{Row, documents, invalid};
 
 /// The source of a glove with the default protocol.
 const SERIAL: &str = "serial:/dev/ttyUSB0";
-
-/// List the gloves that come with the program, and the ones in the configuration folder
-#[derive(clap::Args)]
-#[command(after_help = "Example: ademan gloves")]
-pub struct Args {
-    #[command(flatten)]
-    list: ListArgs,
-}
 
 pub fn run(args: Args) -> Result<(), Failure> {
     let rows = documents(FileKind::Glove).map(|(name, document)| {
@@ -30,7 +23,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
             name,
         }
     });
-    args.list.print(&rows.collect::<Vec<Row>>())
+    args.print(&rows.collect::<Vec<Row>>())
 }
 
 /// Returns an example of the source of a glove, as a word for a shell.

@@ -2,15 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use ademan::document::{Document, FileKind};
+use ademan::document::Document;
 use ademan::files::Load;
 use ademan::layout::{Layout, mirror_layout};
 use ademan::layout_link::LOCAL_PAGE;
 use ademan::setup::ArmSetup;
 
 use crate::failure::Failure;
-use crate::list::{ListArgs, Row, documents, invalid};
-use crate::{complete, field_list, key_list, layout_check, link, new_file, picture};
+use crate::{complete, field_list, key_list, layout_check, layouts, link, new_file, picture};
 
 /// Create, check, list and draw layouts
 #[derive(clap::Subcommand)]
@@ -57,7 +56,7 @@ pub enum Args {
     },
     /// List the layouts that come with the program, and the ones in the configuration folder
     #[command(after_help = "Example: ademan layout list")]
-    List(ListArgs),
+    List(layouts::Args),
     /// Print the link that opens a layout in the page of `ademan serve`, with the layout in it
     #[command(
         after_help = "Examples:\n  ademan layout share my-board.ron\n  ademan layout share my-board.ron --page https://example.org/ademan/"
@@ -96,7 +95,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
             json,
         } => layout_check::check(&looked_at(files)?, hand, person, setup.as_deref(), json),
         Args::Share { file, page } => link::print(&file, &page),
-        Args::List(args) => list(&args),
+        Args::List(args) => layouts::run(args),
         Args::Keys(args) => key_list::print(&args),
         Args::Fields(args) => field_list::print(&args),
         Args::Show(mut args) => {
@@ -125,17 +124,4 @@ fn new(file: &Path, from: &str, is_mirrored: bool) -> Result<(), Failure> {
     let text = new_file::renamed(&text, &original.name, &path);
     let next = "ademan layout check FILE && ademan demo --layout FILE";
     new_file::create(&path, &text, &origin, next)
-}
-
-/// Lists the layouts that come with the program, then the layouts in the configuration folder.
-pub fn list(args: &ListArgs) -> Result<(), Failure> {
-    let rows = documents(FileKind::Layout).map(|(name, document)| {
-        let layout = document.and_then(Layout::from_document);
-        Row {
-            summary: layout.map_or_else(|error| invalid(&error), |layout| layout.description),
-            name,
-            example: None,
-        }
-    });
-    args.print(&rows.collect::<Vec<Row>>())
 }

@@ -1,17 +1,21 @@
-//! `ademan layouts`: the layouts that can be named.
+//! `ademan layouts` and `ademan layout list`: the layouts that can be named.
+
+use ademan::document::FileKind;
+use ademan::layout::Layout;
 
 use crate::failure::Failure;
-use crate::layout;
-use crate::list::ListArgs;
+pub use crate::list::ListArgs as Args;
+use crate::list::{Row, documents, invalid};
 
-/// List the layouts that come with the program, and the ones in the configuration folder
-#[derive(clap::Args)]
-#[command(after_help = "Example: ademan layouts --json")]
-pub struct Args {
-    #[command(flatten)]
-    list: ListArgs,
-}
-
+/// Lists the layouts that come with the program, then the layouts in the configuration folder.
 pub fn run(args: Args) -> Result<(), Failure> {
-    layout::list(&args.list)
+    let rows = documents(FileKind::Layout).map(|(name, document)| {
+        let layout = document.and_then(Layout::from_document);
+        Row {
+            summary: layout.map_or_else(|error| invalid(&error), |layout| layout.description),
+            name,
+            example: None,
+        }
+    });
+    args.print(&rows.collect::<Vec<Row>>())
 }

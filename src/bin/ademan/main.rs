@@ -14,7 +14,7 @@ macro_rules! complain {
     };
 }
 
-/// Declares the subcommands: one line each, with the module that holds its `Args` and its `run`.
+/// Declares the subcommands, each with the module that holds its `Args` and its `run`.
 macro_rules! subcommands {
     ($($(#[$meta:meta])* $name:ident($module:ident),)+) => {
         #[derive(clap::Subcommand)]
@@ -152,9 +152,17 @@ subcommands! {
     Lab(lab),
     #[command(subcommand)]
     Bridge(bridge),
+    /// List the kinds of source, and the protocols of streams
+    #[command(after_help = "Example: ademan sources --json")]
     Sources(sources),
+    /// List the outputs
+    #[command(after_help = "Example: ademan outputs --json")]
     Outputs(outputs),
+    /// List the layouts that come with the program, and the ones in the configuration folder
+    #[command(after_help = "Example: ademan layouts --json")]
     Layouts(layouts),
+    /// List the gloves that come with the program, and the ones in the configuration folder
+    #[command(after_help = "Example: ademan gloves")]
     Gloves(gloves),
     #[command(subcommand)]
     Glove(glove),

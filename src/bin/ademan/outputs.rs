@@ -3,19 +3,12 @@
 use ademan::output::{BACKENDS, Backend};
 
 use crate::failure::Failure;
-use crate::list::{ListArgs, Row};
-
-/// List the outputs
-#[derive(clap::Args)]
-#[command(after_help = "Example: ademan outputs --json")]
-pub struct Args {
-    #[command(flatten)]
-    list: ListArgs,
-}
+pub use crate::list::ListArgs as Args;
+use crate::list::Row;
 
 pub fn run(args: Args) -> Result<(), Failure> {
     let rows: Vec<Row> = BACKENDS.iter().map(|backend| row(backend)).collect();
-    args.list.print(&rows)
+    args.print(&rows)
 }
 
 fn row(backend: &Backend) -> Row {

@@ -5,20 +5,13 @@ use ademan::capture::transport::Scheme;
 use ademan::capture::uri::schemes;
 
 use crate::failure::Failure;
-use crate::list::{ListArgs, Row};
-
-/// List the kinds of source, and the protocols of streams
-#[derive(clap::Args)]
-#[command(after_help = "Example: ademan sources --json")]
-pub struct Args {
-    #[command(flatten)]
-    list: ListArgs,
-}
+pub use crate::list::ListArgs as Args;
+use crate::list::Row;
 
 pub fn run(args: Args) -> Result<(), Failure> {
     let protocols = PROTOCOLS.iter().map(|protocol| protocol_row(protocol));
     let rows: Vec<Row> = schemes().map(scheme_row).chain(protocols).collect();
-    args.list.print(&rows)
+    args.print(&rows)
 }
 
 fn scheme_row(scheme: Scheme) -> Row {
