@@ -229,7 +229,7 @@ impl fmt::Display for Notice {
             Self::HeldBack(held_back) => held_back.fmt(f),
             Self::Missed(count) => write!(
                 f,
-                "{} dropped: they were not read in time",
+                "{} dropped: not read in time",
                 counted(*count, "message")
             ),
         }

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use ademan::session::counted;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 
 /// Messages that wait for their reader: more than a screen.
@@ -109,7 +110,8 @@ impl<W: Write> Printer<W> {
         let missed = self.missed.swap(0, Ordering::Relaxed);
         if missed > 0 {
             self.print(&format!(
-                "{missed} messages dropped: they were not read in time\n"
+                "{} dropped: not written in time\n",
+                counted(missed, "message")
             ));
         }
     }
@@ -163,7 +165,10 @@ mod tests {
         let last = text.lines().last().unwrap();
         assert_eq!(
             last,
-            format!("{missed} messages dropped: they were not read in time")
+            format!(
+                "{} dropped: not written in time",
+                counted(missed, "message")
+            )
         );
     }
 
