@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use ademan::command::Command;
-use ademan::files::{self, FileError};
+use ademan::files;
 use ademan::geometry::EulerOrder;
 use ademan::hand::Side;
 use ademan::message::escape_path;
@@ -58,7 +58,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let checked = files::check_absent(&args.file);
     checked
         .and_then(|()| files::check_destination(&args.file))
-        .map_err(|error| cannot_create(&args.file, &error))?;
+        .map_err(|error| Failure::cannot_create(&args.file, error))?;
     let session = traced.start(setup)?;
     let pose_options = PoseOptions {
         rate_hz: args.rate_hz,
@@ -88,10 +88,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
     Ok(())
 }
 
-fn cannot_create(path: &Path, error: &FileError) -> Failure {
-    Failure::wrong_use(format!("cannot create {}: {error}", escape_path(path)))
-}
-
 /// Writes the poses of a session to a file, which is created with the first one. Returns the number of frames.
 fn write(session: &SessionHandle, path: &Path, options: PoseOptions) -> Result<u64, Failure> {
     let poses = session
@@ -106,7 +102,7 @@ fn write(session: &SessionHandle, path: &Path, options: PoseOptions) -> Result<u
         return Ok(0);
     }
     // Only its owner can read it: it shows what a hand typed.
-    let file = files::create_private(path).map_err(|error| cannot_create(path, &error))?;
+    let file = files::create_private(path).map_err(|error| Failure::cannot_create(path, error))?;
     bvh::write_file(poses, file, options).map_err(|error| {
         let is_empty = fs::metadata(path).is_ok_and(|written| written.len() == 0);
         if is_empty {

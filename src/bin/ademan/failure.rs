@@ -49,6 +49,11 @@ impl Failure {
         Self::wrong_use(format!("cannot read {}: {error}", escape_path(path)))
     }
 
+    /// Creates the failure of a new file that cannot be created.
+    pub fn cannot_create(path: &Path, error: impl fmt::Display) -> Self {
+        Self::wrong_use(format!("cannot create {}: {error}", escape_path(path)))
+    }
+
     /// Creates the failure of a file of the command line that cannot be written.
     pub fn cannot_write(path: &Path, error: impl fmt::Display) -> Self {
         Self::wrong_use(format!("cannot write {}: {error}", escape_path(path)))

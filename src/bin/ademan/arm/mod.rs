@@ -57,7 +57,8 @@ impl OutputArgs {
     fn open(&self) -> Result<Box<dyn Write>, Failure> {
         match self.file() {
             Some(path) => Ok(Box::new(BufWriter::new(NamedFile {
-                file: create(path)?,
+                file: files::create_new(path)
+                    .map_err(|error| Failure::cannot_create(path, error))?,
                 path: path.to_owned(),
             }))),
             None => Ok(Box::new(BufWriter::new(io::stdout().lock()))),
@@ -124,10 +125,4 @@ impl Write for NamedFile {
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush().map_err(|error| self.name(&error))
     }
-}
-
-fn create(path: &Path) -> Result<File, Failure> {
-    files::create_new(path).map_err(|error| {
-        Failure::wrong_use(format!("cannot create {}: {error}", escape_path(path)))
-    })
 }

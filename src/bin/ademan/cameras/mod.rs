@@ -172,12 +172,8 @@ fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
         ))
     })?;
     let text = CamerasFile::new(&calibration.cameras).to_text(format);
-    files::write_new(&args.output, text.as_bytes()).map_err(|error| {
-        Failure::wrong_use(format!(
-            "cannot create {}: {error}",
-            escape_path(&args.output)
-        ))
-    })?;
+    files::write_new(&args.output, text.as_bytes())
+        .map_err(|error| Failure::cannot_create(&args.output, error))?;
     say!("wrote {}", escape_path(&args.output));
     report(&calibration);
     Ok(())
