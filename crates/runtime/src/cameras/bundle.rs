@@ -56,17 +56,11 @@ pub fn adjust(cameras: &mut Vec<Camera>, groups: &mut Vec<PointGroup>, adjusted:
     let mut damping = 1e-4;
     let mut cost = total_cost(cameras, groups);
     for _ in 0..MAX_STEPS {
-        let Some((new_cameras, new_groups)) = step(cameras, groups, adjusted, damping) else {
-            damping *= 10.0;
-            if damping > 1e12 {
-                return;
-            }
-            continue;
-        };
-        let new_cost = total_cost(&new_cameras, &new_groups);
-        if new_cost < cost {
+        let found = step(cameras, groups, adjusted, damping);
+        let found = found.map(|found| (total_cost(&found.0, &found.1), found));
+        if let Some((new_cost, new)) = found.filter(|(new_cost, _)| *new_cost < cost) {
             let gain = (cost - new_cost) / cost;
-            (*cameras, *groups, cost) = (new_cameras, new_groups, new_cost);
+            ((*cameras, *groups), cost) = (new, new_cost);
             damping = (damping * 0.2).max(1e-12);
             if gain < MIN_GAIN {
                 return;

@@ -11,7 +11,10 @@ use super::linear::{LinearError, camera_from_pair, camera_from_points, crossing}
 use crate::capture::markers::{Ray, median, triangulate};
 
 /// Fewest frames in which two cameras see the wand together.
-pub const MIN_WAND_FRAMES: usize = 8;
+const MIN_WAND_FRAMES: usize = 8;
+
+/// The labels of the ends of a wand.
+const ENDS: [&str; 2] = ["a", "b"];
 
 /// Fewest marks of a camera whose lens is adjusted.
 const MIN_LENS_MARKS: usize = 40;
@@ -72,29 +75,23 @@ pub enum CalibrationError {
     NothingShared,
 }
 
-/// Calibrates cameras that see the ends of a wand of a length in metres. The world is the frame of the first camera: X to
+/// Calibrates cameras that see the ends `a` and `b` of a wand of a length in metres. The world is the frame of the first camera: X to
 /// its right, Y up and −Z along its view. The lenses begin with the lenses of `start`, and are kept if `keeps_lenses`.
 pub fn from_wand(
     start: &[Camera],
     frames: &[Frame],
-    ends: [&str; 2],
     length: f64,
     keeps_lenses: bool,
 ) -> Result<Calibration, CalibrationError> {
     if start.len() < 2 {
         return Err(CalibrationError::OneCamera);
     }
-    let mut cameras = placed_by_wand(start, frames, ends, length)?;
-    let mut groups: Vec<PointGroup> = frames
+    let cameras = placed_by_wand(start, frames, length)?;
+    let groups = frames
         .iter()
-        .flat_map(|frame| wand_groups(&cameras, frame, ends, length))
+        .flat_map(|frame| wand_groups(&cameras, frame, length))
         .collect();
-    let places = Adjusted {
-        has_lenses: false,
-        is_first_fixed: true,
-    };
-    adjust(&mut cameras, &mut groups, places);
-    finish(cameras, groups, places, keeps_lenses)
+    adjusted(cameras, groups, true, keeps_lenses)
 }
 
 /// Calibrates each camera by points at known places in metres.
@@ -134,13 +131,7 @@ pub fn from_points(
         }
         cameras.push(estimate);
     }
-    let mut groups = vec![group];
-    let places = Adjusted {
-        has_lenses: false,
-        is_first_fixed: false,
-    };
-    adjust(&mut cameras, &mut groups, places);
-    finish(cameras, groups, places, keeps_lenses)
+    adjusted(cameras, vec![group], false, keeps_lenses)
 }
 
 /// Improves calibrated cameras by labelled points that they see. The first camera stays, and so does its distance from the second, which
@@ -162,13 +153,7 @@ pub fn refine(
             .filter_map(|label| point_group(start, frame, label));
         groups.extend(point);
     }
-    let places = Adjusted {
-        has_lenses: false,
-        is_first_fixed: true,
-    };
-    let mut cameras = start.to_vec();
-    adjust(&mut cameras, &mut groups, places);
-    let mut calibration = finish(cameras, groups, places, keeps_lenses)?;
+    let mut calibration = adjusted(start.to_vec(), groups, true, keeps_lenses)?;
     let [first_place, second_place] = [0, 1].map(|index| calibration.cameras[index].position());
     let scale = distance / first_place.distance(second_place);
     let has_scale = scale.is_finite() && scale > 0.0;
@@ -185,16 +170,21 @@ pub fn refine(
     Ok(calibration)
 }
 
-/// Adjusts the lenses too, if there are enough marks, and measures the errors.
-fn finish(
+/// Adjusts the places of cameras and points, then the lenses too, if there are enough marks, and measures the errors.
+fn adjusted(
     mut cameras: Vec<Camera>,
     mut groups: Vec<PointGroup>,
-    places: Adjusted,
+    is_first_fixed: bool,
     keeps_lenses: bool,
 ) -> Result<Calibration, CalibrationError> {
     if groups.iter().all(|group| group.marks.is_empty()) {
         return Err(CalibrationError::NothingShared);
     }
+    let places = Adjusted {
+        has_lenses: false,
+        is_first_fixed,
+    };
+    adjust(&mut cameras, &mut groups, places);
     let marks = |camera: usize| {
         let all = groups.iter().flat_map(|group| &group.marks);
         all.filter(|mark| mark.camera == camera).count()
@@ -228,10 +218,10 @@ fn image_error(cameras: &[Camera], groups: &[PointGroup], camera: usize) -> Imag
 }
 
 /// Returns the pixels of both ends in the frames in which two cameras see both.
-fn shared(frames: &[Frame], cameras: [usize; 2], ends: [&str; 2]) -> Vec<[[DVec2; 2]; 2]> {
+fn shared(frames: &[Frame], cameras: [usize; 2]) -> Vec<[[DVec2; 2]; 2]> {
     let seen = |frame: &Frame| {
         let in_camera =
-            |camera: usize| Some([*frame[camera].get(ends[0])?, *frame[camera].get(ends[1])?]);
+            |camera: usize| Some([*frame[camera].get(ENDS[0])?, *frame[camera].get(ENDS[1])?]);
         Some([in_camera(cameras[0])?, in_camera(cameras[1])?])
     };
     frames.iter().filter_map(seen).collect()
@@ -241,7 +231,6 @@ fn shared(frames: &[Frame], cameras: [usize; 2], ends: [&str; 2]) -> Vec<[[DVec2
 fn placed_by_wand(
     start: &[Camera],
     frames: &[Frame],
-    ends: [&str; 2],
     length: f64,
 ) -> Result<Vec<Camera>, CalibrationError> {
     let mut cameras = start.to_vec();
@@ -252,13 +241,8 @@ fn placed_by_wand(
     while placed.len() < cameras.len() {
         let open = (0..cameras.len()).filter(|camera| !placed.contains(camera));
         let pairs = open.flat_map(|open| placed.iter().map(move |&known| (known, open)));
-        let counted = pairs.map(|(known, candidate)| {
-            (
-                shared(frames, [known, candidate], ends).len(),
-                known,
-                candidate,
-            )
-        });
+        let counted = pairs
+            .map(|(known, candidate)| (shared(frames, [known, candidate]).len(), known, candidate));
         let best = counted.max_by_key(|&(count, known, candidate)| {
             (count, std::cmp::Reverse((known, candidate)))
         });
@@ -272,7 +256,7 @@ fn placed_by_wand(
                 found,
             });
         }
-        let pixels = shared(frames, [known, next], ends);
+        let pixels = shared(frames, [known, next]);
         let ideal = |[first, second]: &[[DVec2; 2]; 2], end: usize| {
             (
                 start[known].ideal(first[end]),
@@ -306,8 +290,8 @@ fn placed_by_wand(
 }
 
 /// Returns the ends of the wand in a frame that two cameras or more see.
-fn wand_groups(cameras: &[Camera], frame: &Frame, ends: [&str; 2], length: f64) -> Vec<PointGroup> {
-    match ends.map(|end| point_group(cameras, frame, end)) {
+fn wand_groups(cameras: &[Camera], frame: &Frame, length: f64) -> Vec<PointGroup> {
+    match ENDS.map(|end| point_group(cameras, frame, end)) {
         [Some(first), Some(second)] => {
             let marks = second.marks.iter().map(|mark| Mark { point: 1, ..*mark });
             vec![PointGroup {

@@ -10,10 +10,10 @@ use crate::capture::markers::{Ray, closest_points, median};
 const MIN_APART: f64 = 1e-3;
 
 /// Fewest known points of a camera.
-pub const MIN_POINTS: usize = 6;
+const MIN_POINTS: usize = 6;
 
 /// Fewest points that two cameras see together.
-pub const MIN_PAIRS: usize = 8;
+const MIN_PAIRS: usize = 8;
 
 /// Smallest thickness of known points, as a fraction of their size.
 const MIN_THICKNESS: f64 = 0.02;

@@ -2,9 +2,7 @@
 //!
 //! | step | function |
 //! |---|---|
-//! | first estimate of each camera | [`camera_from_points`], [`camera_from_pair`] |
-//! | all cameras and points together | [`adjust`] |
-//! | the whole calibration | [`from_wand`], [`from_points`], [`refine`] |
+//! | the calibration | [`from_wand`], [`from_points`], [`refine`] |
 //! | the file of the cameras | [`CamerasFile`] |
 //! | an image → its marks | [`find_marks`] |
 
@@ -17,12 +15,10 @@ mod marks;
 #[cfg(test)]
 mod tests;
 
-pub use bundle::{Adjusted, Mark, PointGroup, adjust};
 pub use calibration::{
-    Calibration, CalibrationError, Frame, ImageError, MIN_WAND_FRAMES, from_points, from_wand,
-    refine,
+    Calibration, CalibrationError, Frame, ImageError, from_points, from_wand, refine,
 };
 pub use camera::{Camera, PARAMETERS, Projection};
 pub use file::{CamerasFile, CamerasFileError, CamerasFormat};
-pub use linear::{LinearError, MIN_PAIRS, MIN_POINTS, camera_from_pair, camera_from_points};
+pub use linear::LinearError;
 pub use marks::{FoundMark, FoundMarks, MarkImage, MarkSettings, find_marks};

@@ -90,7 +90,7 @@ fn place_error(found: &[Camera], exact: &[Camera]) -> f64 {
 fn a_wand_gives_places_lenses_and_scale_of_simulated_cameras() {
     let exact = room(4);
     let without_noise = wand_frames(&exact, 120, 0.0, 1);
-    let found = from_wand(&unknown(&exact), &without_noise, ["a", "b"], 0.5, false).unwrap();
+    let found = from_wand(&unknown(&exact), &without_noise, 0.5, false).unwrap();
     let error = place_error(&found.cameras, &exact);
     assert!(error < 1e-3, "{error}");
     for (camera, expected) in found.cameras.iter().zip(&exact) {
@@ -101,7 +101,7 @@ fn a_wand_gives_places_lenses_and_scale_of_simulated_cameras() {
         );
     }
     let noisy = wand_frames(&exact, 200, 0.3, 2);
-    let found_noisy = from_wand(&unknown(&exact), &noisy, ["a", "b"], 0.5, false).unwrap();
+    let found_noisy = from_wand(&unknown(&exact), &noisy, 0.5, false).unwrap();
     let noisy_error = place_error(&found_noisy.cameras, &exact);
     println!(
         "0.3 px: places {:.1} mm, {:?}",
@@ -185,7 +185,7 @@ fn cameras_without_common_frames_are_named_and_a_wand_in_a_plane_is_refused() {
             _ => frame[0].clear(),
         }
     }
-    let error = from_wand(&unknown(&exact), &frames, ["a", "b"], 0.5, false).unwrap_err();
+    let error = from_wand(&unknown(&exact), &frames, 0.5, false).unwrap_err();
     let CalibrationError::TooFewFrames {
         first,
         second,
@@ -210,7 +210,7 @@ fn cameras_without_common_frames_are_named_and_a_wand_in_a_plane_is_refused() {
             seen(&exact, &ends, 0.1, &mut random)
         })
         .collect();
-    let flat_error = from_wand(&unknown(&exact), &flat, ["a", "b"], 0.5, false).unwrap_err();
+    let flat_error = from_wand(&unknown(&exact), &flat, 0.5, false).unwrap_err();
     assert!(
         flat_error.to_string().contains("in a plane or on a line"),
         "{flat_error}"

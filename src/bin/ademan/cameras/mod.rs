@@ -153,13 +153,7 @@ fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     check_marks(&start, &lines)?;
     let frames: Vec<Frame> = lines.iter().map(|line| frame(&start, line)).collect();
     let calibration = match (args.wand, &args.points) {
-        (Some(length), _) => from_wand(
-            &start,
-            &frames,
-            ["a", "b"],
-            length / 1000.0,
-            args.keep_lenses,
-        ),
+        (Some(length), _) => from_wand(&start, &frames, length / 1000.0, args.keep_lenses),
         (None, Some(points)) => {
             from_points(&start, &frames, &read_points(points)?, args.keep_lenses)
         }

@@ -6,8 +6,6 @@ use ademan_core::device::{Axis, Capabilities};
 #[cfg(target_os = "linux")]
 mod linux;
 #[cfg(target_os = "linux")]
-pub use linux::Spacenav;
-#[cfg(target_os = "linux")]
 pub(super) use linux::check_presence;
 #[cfg(target_os = "linux")]
 use linux::open;
