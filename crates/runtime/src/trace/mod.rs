@@ -98,7 +98,8 @@ impl Stage {
                     .clone()
                     .try_for_each(|issued| write(issued.time, command_json(issued, buffer)))?;
                 snapshot.executed.iter().try_for_each(|executed| {
-                    write(executed.time, executed_command_json(executed, buffer))
+                    let object = CommandJson::new(executed, Some(recording::EXTERNAL_ORIGIN));
+                    write(executed.time, json(&object, buffer))
                 })
             }
         }
@@ -137,26 +138,7 @@ pub fn event_json<'a>(
 
 /// Returns one object of [`Stage::Commands`] without a line end. `buffer` is overwritten.
 pub fn command_json<'a>(issued: &TimedCommand, buffer: &'a mut Vec<u8>) -> &'a [u8] {
-    json(
-        &CommandJson {
-            time_us: issued.time,
-            origin: None,
-            command: issued.command,
-        },
-        buffer,
-    )
-}
-
-/// Returns the object of [`Stage::Commands`] for a command from outside the layout. `buffer` is overwritten.
-fn executed_command_json<'a>(executed: &TimedCommand, buffer: &'a mut Vec<u8>) -> &'a [u8] {
-    json(
-        &CommandJson {
-            time_us: executed.time,
-            origin: Some(recording::EXTERNAL_ORIGIN),
-            command: executed.command,
-        },
-        buffer,
-    )
+    json(&CommandJson::new(issued, None), buffer)
 }
 
 fn json<'a>(value: &impl Serialize, buffer: &'a mut Vec<u8>) -> &'a [u8] {
@@ -224,6 +206,16 @@ struct CommandJson {
     origin: Option<&'static str>,
     #[serde(flatten)]
     command: Command,
+}
+
+impl CommandJson {
+    fn new(issued: &TimedCommand, origin: Option<&'static str>) -> Self {
+        Self {
+            time_us: issued.time,
+            origin,
+            command: issued.command,
+        }
+    }
 }
 
 #[cfg(test)]

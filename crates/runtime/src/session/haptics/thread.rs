@@ -128,10 +128,11 @@ struct FeedbackWriter {
     /// The state that the present connection has received; `None` if that is not known.
     sent: Option<FeedbackState>,
     attempted_at: Option<Instant>,
-    /// The connection of the latest message, and the rest of that message.
+    /// The connection of the latest message.
     last_connection: ConnectionId,
     /// The form of that message.
     last_format: &'static FeedbackFormat,
+    /// The rest of that message, which the device has not accepted yet.
     rest: Vec<u8>,
 }
 
