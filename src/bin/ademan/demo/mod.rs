@@ -134,10 +134,20 @@ fn cancel(player: &CurrentPlayer) {
     }
 }
 
+/// Makes a signal to stop call an action, also one that came before.
+fn on_stop(current: &CurrentPlayer, action: impl Fn() + Send + 'static) {
+    *current.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(action));
+    if signals::is_stop_requested() {
+        cancel(current);
+    }
+}
+
 /// Plays one demo to its end.
 fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
     let (setup, line) = (setup::load(args)?, line_format(args));
     let (task, hand) = simulated_hand(args, &setup, &line)?;
+    let task = task.repeated(args.repeat);
+    let hand = if args.repeat { hand.repeated() } else { hand };
     if args.fast || shows_more_than_a_line(&setup.layout) {
         play_bytes(args, current, setup, &line, task, hand)
     } else {
@@ -157,7 +167,6 @@ fn play_on_line(
     let hands = hand.hand_count();
     let (writers, source) = open_loopbacks(&mut setup, line, hands)?;
     announce(&task, &setup, source.name())?;
-    let hand = if args.repeat { hand.repeated() } else { hand };
     let options = SessionOptions {
         source: Some(source),
         watch_layouts: true,
@@ -167,27 +176,38 @@ fn play_on_line(
     pause_signals::install_for(&session, &args.output)?;
     session.wait_until_started();
     let player = Player::start(hand, writers, line, session.commands().clone())?;
-    *current.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(player.canceller()));
-    if signals::is_stop_requested() {
-        player.cancel();
-    }
+    on_stop(current, player.canceller());
     watch(args, &session, &mut task);
     // The session may have ended first, by an error or the loss of the watchdog.
     player.cancel();
     let playback = player.join()?;
     let summary = session.join()?;
-    let is_printed = args.output == "transcript";
-    task.report(&mut io::stdout().lock(), &playback, is_printed)?;
-    report(&playback, &summary, &line, hands as u64)?;
-    warn_if_late(&summary, &playback);
-    outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
+    finish(args, &task, &summary, &playback, Some((&line, hands)))
 }
 
-/// Returns the result of the demo. An interruption is the way to end one that repeats.
-fn outcome(is_done: bool, is_cancelled: bool, repeats: bool) -> Result<(), Failure> {
-    if is_done || (is_cancelled && repeats) {
+/// Writes the result of the demo, with the number of hands on a serial line. An interruption is the way to end one that repeats.
+fn finish(
+    args: &Args,
+    task: &Task,
+    summary: &Summary,
+    playback: &PlaybackStats,
+    line: Option<(&Hc11Format, usize)>,
+) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    task.report(&mut out, playback, args.output == "transcript")?;
+    match line {
+        Some((line, hands)) => report(&mut out, playback, summary, line, hands as u64)?,
+        None => write_row(&mut out, "readings   ", &stats::line(&summary.stats))?,
+    }
+    // At an interruption the readings that wait count as dropped.
+    if !playback.is_cancelled && stats::may_miss_keys(&summary.stats) {
+        complain!(
+            "warning: this machine was too busy for the hand, and keys may be missing: see `readings`"
+        );
+    }
+    if task.is_done(playback) || (playback.is_cancelled && args.repeat) {
         Ok(())
-    } else if is_cancelled {
+    } else if playback.is_cancelled {
         Err(Failure::job("interrupted before the end"))
     } else {
         Err(Failure::job("the typed text differs from the given one"))
@@ -203,7 +223,6 @@ fn play_bytes(
     mut task: Task,
     hand: SimulatedTypist,
 ) -> Result<(), Failure> {
-    let hand = if args.repeat { hand.repeated() } else { hand };
     let stream = SimulatedStream::new(hand, &byte_format(&setup, line)?).map_err(Failure::job)?;
     let pace = if args.fast {
         "its bytes, faster than real time"
@@ -220,38 +239,20 @@ fn play_bytes(
     let session = Session::start(setup, options)?;
     pause_signals::install_for(&session, &args.output)?;
     let commands = session.commands().clone();
-    let stop = Box::new(move || _ = commands.send(Command::Stop));
-    *current.lock().unwrap_or_else(PoisonError::into_inner) = Some(stop);
-    if signals::is_stop_requested() {
-        _ = session.commands().send(Command::Stop);
-    }
+    on_stop(current, move || _ = commands.send(Command::Stop));
     watch(args, &session, &mut task);
     let summary = session.join()?;
     let playback = PlaybackStats {
         is_cancelled: signals::is_stop_requested(),
         ..PlaybackStats::default()
     };
-    let is_printed = args.output == "transcript";
-    let mut out = io::stdout().lock();
-    task.report(&mut out, &playback, is_printed)?;
-    write_row(&mut out, "readings   ", &stats::line(&summary.stats))?;
-    warn_if_late(&summary, &playback);
-    outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
+    finish(args, &task, &summary, &playback, None)
 }
 
 /// Returns `true` if a layout needs more than the simulated serial lines carry: packets without sticks and buttons, of a glove that
 /// knows nothing of the body and of the other hand.
 fn shows_more_than_a_line(layout: &Layout) -> bool {
     layout.uses_inputs() || layout.uses_body() || layout.follows_other_hand()
-}
-
-/// Warns if this machine was too busy for the hand. At an interruption the readings that wait count as dropped.
-fn warn_if_late(summary: &Summary, playback: &PlaybackStats) {
-    if !playback.is_cancelled && stats::may_miss_keys(&summary.stats) {
-        complain!(
-            "warning: this machine was too busy for the hand, and keys may be missing: see `readings`"
-        );
-    }
 }
 
 /// Returns the format of the bytes: the line's, or lines of LucidGloves at its rate for a glove with a stick and buttons, of body
@@ -327,7 +328,7 @@ fn simulated_hand(
 ) -> Result<(Task, SimulatedTypist), Failure> {
     let play = |script: &str, title: &str| {
         let hand = setup.scripted(script, line, args.noise, args.seed)?;
-        Ok((Task::play(title, &setup.layout).repeated(args.repeat), hand))
+        Ok((Task::play(title, &setup.layout), hand))
     };
     if let Some(script) = &args.script {
         return play(script, script);
@@ -362,10 +363,7 @@ fn simulated_hand(
         "--noise {} --seed {}{person}{others}",
         args.noise, args.seed
     );
-    Ok((
-        Task::type_text(text, conditions).repeated(args.repeat),
-        hand,
-    ))
+    Ok((Task::type_text(text, conditions), hand))
 }
 
 /// Parses the noise of a simulated hand.
@@ -394,6 +392,7 @@ fn open_loopbacks(
 }
 
 fn report(
+    out: &mut impl Write,
     playback: &PlaybackStats,
     summary: &Summary,
     line: &Hc11Format,
@@ -401,7 +400,6 @@ fn report(
 ) -> io::Result<()> {
     let source = &summary.stats.source;
     let micros = |quantile: f64| summary.latency_ns.value_at_quantile(quantile) as f64 / 1e3;
-    let mut out = io::stdout().lock();
     let packets = format!(
         "{} baud, {:.2} ms per packet: {} packets sent, {} decoded, {} lost",
         line.baud,
@@ -411,20 +409,20 @@ fn report(
         // The header of the next packet confirms a packet, and the last one has no next.
         (hands * playback.packets.saturating_sub(1)).saturating_sub(source.readings),
     );
-    write_row(&mut out, "line       ", &packets)?;
-    write_row(&mut out, "readings   ", &stats::line(&summary.stats))?;
+    write_row(out, "line       ", &packets)?;
+    write_row(out, "readings   ", &stats::line(&summary.stats))?;
     let latency = format!(
         "from the confirmation of a packet to its events: p50 {:.0} µs, p99 {:.0} µs, max {:.0} µs",
         micros(0.5),
         micros(0.99),
         micros(1.0)
     );
-    write_row(&mut out, "latency    ", &latency)?;
+    write_row(out, "latency    ", &latency)?;
     let confirmed = format!(
         "by the header of the next packet, {:.2} ms after it, or by a pause",
         line.transmission_time(PACKET_BYTES - BODY_BYTES)
             .as_secs_f64()
             * 1e3
     );
-    write_row(&mut out, "confirmed  ", &confirmed)
+    write_row(out, "confirmed  ", &confirmed)
 }
