@@ -101,7 +101,6 @@ pub struct Spacenav {
     coalesced_motions: u64,
     thread: Option<JoinHandle<()>>,
     thread_ended: Receiver<()>,
-    path: PathBuf,
 }
 
 impl Spacenav {
@@ -114,20 +113,15 @@ impl Spacenav {
         let listener = Listener::open(&path).map_err(|error: SocketError| {
             open_error(format!("cannot listen on {}: {error}", escape_path(&path)))
         })?;
-        let spacenav = Self::start(listener, path).map_err(open_error)?;
+        let spacenav = Self::start(listener).map_err(open_error)?;
         tracing::info!(
             "6-DoF mouse for programs started with SPNAV_SOCKET={}",
-            shell_word(&spacenav.path.to_string_lossy())
+            shell_word(&path.to_string_lossy())
         );
         Ok(spacenav)
     }
 
-    /// Returns the path of the socket.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    fn start(listener: Listener, path: PathBuf) -> io::Result<Self> {
+    fn start(listener: Listener) -> io::Result<Self> {
         let (messages, queue) = bounded(QUEUE);
         let (end, thread_ended) = bounded::<()>(0);
         let (waker, wake_ups) = UnixStream::pair()?;
@@ -142,7 +136,6 @@ impl Spacenav {
             .spawn(run)?;
         let mut spacenav = Self::with_channels(messages, waker, thread_ended);
         spacenav.thread = Some(thread);
-        spacenav.path = path;
         Ok(spacenav)
     }
 
@@ -165,7 +158,6 @@ impl Spacenav {
             coalesced_motions: 0,
             thread: None,
             thread_ended,
-            path: PathBuf::new(),
         }
     }
 
