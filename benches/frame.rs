@@ -20,9 +20,7 @@ use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{self, BODY_BYTES, Framing, Hc11Decoder, PACKET_BYTES};
 use ademan::capture::protocol::Decoder;
-use ademan::capture::{
-    CaptureError, Hc11Format, Reading, Sample, Source, SourceEvent, SourceStats,
-};
+use ademan::capture::{CaptureError, Hc11Format, Reading, Sample, Source, SourceEvent};
 use ademan::contact::surface::{Anchor, Scene, Target};
 use ademan::contact::{ContactTracker, Phase, TargetId, TargetNames, Touch, Touches};
 use ademan::device::keyboard::{Activation, KeyBinding, Keyboard};
@@ -457,10 +455,6 @@ impl Source for SilentSource {
 
     fn name(&self) -> &str {
         "silent"
-    }
-
-    fn stats(&self) -> SourceStats {
-        SourceStats::default()
     }
 }
 

@@ -49,10 +49,6 @@ impl Source for TypingHand {
     fn name(&self) -> &str {
         "typing hand"
     }
-
-    fn is_live(&self) -> bool {
-        true
-    }
 }
 
 /// Times from readings to calls of the output, without and with clients, in nanoseconds.

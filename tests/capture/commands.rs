@@ -39,10 +39,6 @@ impl Source for SilentGlove {
         "silent glove"
     }
 
-    fn is_live(&self) -> bool {
-        true
-    }
-
     fn stats(&self) -> SourceStats {
         SourceStats {
             readings: self.readings,

@@ -4,7 +4,7 @@ use std::iter;
 use std::thread;
 use std::time::Duration;
 
-use ademan::capture::{CaptureError, Headset, HeadsetList, Source, SourceEvent, SourceStats};
+use ademan::capture::{CaptureError, Headset, HeadsetList, Source, SourceEvent};
 use ademan::command::Command;
 use ademan::session::view::{View, Viewer};
 use ademan::session::{Session, SessionHandle, SessionOptions};
@@ -31,10 +31,6 @@ impl Source for SilentSource {
 
     fn name(&self) -> &str {
         "silent"
-    }
-
-    fn stats(&self) -> SourceStats {
-        SourceStats::default()
     }
 }
 

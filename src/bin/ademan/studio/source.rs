@@ -2,7 +2,7 @@
 
 use std::thread;
 
-use ademan::capture::{CaptureError, MAX_BLOCK, Source, SourceEvent, SourceStats};
+use ademan::capture::{CaptureError, MAX_BLOCK, Source, SourceEvent};
 use ademan::layout::HandUse;
 use ademan::output;
 use ademan::session::SessionOptions;
@@ -65,9 +65,5 @@ impl Source for NoReadings {
 
     fn is_live(&self) -> bool {
         false
-    }
-
-    fn stats(&self) -> SourceStats {
-        SourceStats::default()
     }
 }

@@ -316,10 +316,6 @@ impl Source for NoiseSource {
         "noise"
     }
 
-    fn is_live(&self) -> bool {
-        true
-    }
-
     fn stats(&self) -> SourceStats {
         SourceStats {
             bytes: self.0,

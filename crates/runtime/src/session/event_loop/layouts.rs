@@ -152,7 +152,7 @@ pub(super) mod tests {
     use std::time::Instant;
 
     use super::*;
-    use crate::capture::{CaptureError, Source, SourceEvent, SourceStats, SourceUri};
+    use crate::capture::{CaptureError, Source, SourceEvent, SourceUri};
     use crate::output::{OutputError, Sink};
     use crate::session::command_channel::{CommandReceiver, command_channel};
     use crate::session::event_loop::capture::Capture;
@@ -176,10 +176,6 @@ pub(super) mod tests {
 
         fn is_live(&self) -> bool {
             false
-        }
-
-        fn stats(&self) -> SourceStats {
-            SourceStats::default()
         }
     }
 
