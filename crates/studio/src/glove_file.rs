@@ -69,9 +69,7 @@ impl GloveFile {
 
     /// Returns the path of the copy of a replaced file.
     pub fn backup(&self) -> PathBuf {
-        let mut name = self.path.clone().into_os_string();
-        name.push(".bak");
-        name.into()
+        self.path.with_added_extension("bak")
     }
 
     /// Saves a text. A file that Studio has not written stays, unless `may_replace` is set; then it is kept as

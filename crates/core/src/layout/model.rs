@@ -365,6 +365,12 @@ impl Layout {
         })
     }
 
+    /// Returns the initial value of a control; `None` if the target is not a value, or has none at the start.
+    pub fn initial_value(&self, target: TargetId) -> Option<f32> {
+        let (control, index) = self.value_at(target)?;
+        control.kind.initial_value(index)
+    }
+
     /// Returns the face of a target.
     pub fn face(&self, target: TargetId) -> Option<&Face> {
         if let Some(key) = self.key_at(target) {

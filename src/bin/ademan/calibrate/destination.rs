@@ -108,9 +108,7 @@ impl Destination {
     }
 
     fn backup(&self) -> PathBuf {
-        let mut name = self.path.clone().into_os_string();
-        name.push(".bak");
-        name.into()
+        self.path.with_added_extension("bak")
     }
 
     /// Returns the path as a word of a command.

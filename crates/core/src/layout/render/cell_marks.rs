@@ -61,7 +61,7 @@ impl Cell {
         if self.width < 3 || self.height < 3 {
             return Vec::new();
         }
-        let value = |target| value(target).or_else(|| initial_value(layout, target));
+        let value = |target| value(target).or_else(|| layout.initial_value(target));
         let own = value(self.target);
         match control.kind.handle() {
             Handle::Line { .. } => {
@@ -168,11 +168,6 @@ fn track_direction(layout: &Layout, target: TargetId) -> Vec2 {
         face.outline.rotation - board.shape.row_rotation(face.row_position)
     });
     Vec2::from_angle(rotation)
-}
-
-fn initial_value(layout: &Layout, target: TargetId) -> Option<f32> {
-    let (control, index) = layout.value_at(target)?;
-    control.kind.initial_value(index)
 }
 
 #[cfg(test)]

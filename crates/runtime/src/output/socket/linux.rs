@@ -228,9 +228,7 @@ struct SocketLock {
 impl SocketLock {
     /// Locks the file beside the socket at `socket`.
     fn acquire(socket: &Path) -> Result<Self, SocketError> {
-        let mut path = socket.as_os_str().to_owned();
-        path.push(".lock");
-        let path = PathBuf::from(path);
+        let path = socket.with_added_extension("lock");
         for _ in 0..MAX_LOCK_ATTEMPTS {
             // The setup of another person may name `Cargo`: `Cargo.lock` must not be removed, nor become private. A lock is empty
             // and private; whatever is no file is refused when it is opened.

@@ -14,13 +14,13 @@ const NAME_COLUMNS: usize = 12;
 const BAR_COLUMNS: usize = 6;
 const LABEL_COLUMNS: usize = COLUMNS - NAME_COLUMNS - 1;
 
-/// Returns the value of a control; that at the start if it has not been moved yet.
+/// Returns the value of a control, which is the initial one until the control is moved.
 pub fn value_of(view: &View, target: TargetId) -> Option<f32> {
     let mut values = view.state.values.iter();
     let value = values.find(|(known, _)| *known == target);
     value
         .map(|(_, value)| *value)
-        .or_else(|| initial_value(&view.layout, target))
+        .or_else(|| view.layout.initial_value(target))
 }
 
 /// Returns the label of the value of a control, such as the highlighted sector of a radial menu; `None` without one.
@@ -29,18 +29,13 @@ pub fn label_of(view: &View, target: TargetId) -> Option<&str> {
     control.kind.value_label(value_of(view, target)?)
 }
 
-fn initial_value(layout: &Layout, target: TargetId) -> Option<f32> {
-    let (control, index) = layout.value_at(target)?;
-    control.kind.initial_value(index)
-}
-
 /// Returns the values of all controls that have one, several in a line.
 pub fn lines(view: &View, width: u16) -> Vec<Line<'static>> {
     let names = view.layout.target_names();
     let controls = view.layout.controls.iter();
     let mut targets: Vec<TargetId> = controls
         .flat_map(Control::value_targets)
-        .filter(|target| initial_value(&view.layout, *target).is_some())
+        .filter(|target| view.layout.initial_value(*target).is_some())
         .collect();
     for (target, _) in &view.state.values {
         if !targets.contains(target) {
