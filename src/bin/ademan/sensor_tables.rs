@@ -24,13 +24,8 @@ struct HandSensors {
 impl SensorTables {
     /// Creates the tables of the gloves of a setup.
     pub fn new(setup: &LoadedSetup) -> Self {
-        let other = setup
-            .other_hand
-            .as_ref()
-            .and_then(|hand| hand.glove.as_ref());
-        let gloves = setup.glove.iter().chain(other);
         Self {
-            hands: gloves.map(HandSensors::new).collect(),
+            hands: setup.gloves().map(HandSensors::new).collect(),
         }
     }
 

@@ -250,17 +250,19 @@ impl LoadedSetup {
 
     /// Checks that the glove of a hand has the ranges that are to be learned.
     fn check_ranges(&self) -> Result<(), SetupError> {
-        let other = self
-            .other_hand
-            .as_ref()
-            .and_then(|hand| hand.glove.as_ref());
-        let mut gloves = self.glove.iter().chain(other);
-        if !self.setup.learn_ranges || gloves.any(|glove| !glove.map.ranges().is_empty()) {
+        let has_ranges = || self.gloves().any(|glove| !glove.map.ranges().is_empty());
+        if !self.setup.learn_ranges || has_ranges() {
             return Ok(());
         }
         Err(SetupError::Value(
             "`learn_ranges` needs a glove with `range_counts`, from which sensors drift: calibrate the glove with `ademan calibrate`, which writes them, or remove `learn_ranges`".into(),
         ))
+    }
+
+    /// Returns the gloves of both hands, the first hand first.
+    pub fn gloves(&self) -> impl Iterator<Item = &Glove> {
+        let other = self.other_hand.iter().flat_map(|hand| &hand.glove);
+        self.glove.iter().chain(other)
     }
 
     /// Returns all layouts. The first one is active at the start.
@@ -277,8 +279,13 @@ impl LoadedSetup {
 
     /// Returns the file of the first arm; `None` if the arm is made from lengths.
     pub fn arm_document(&self) -> Option<&Document> {
+        self.document(kind::ARM)
+    }
+
+    /// Returns the first document of a kind.
+    fn document(&self, kind: &str) -> Option<&Document> {
         let mut documents = self.documents.iter();
-        let (_, document) = documents.find(|(kind, _)| kind == kind::ARM)?;
+        let (_, document) = documents.find(|(other, _)| other == kind)?;
         Some(document)
     }
 
@@ -292,8 +299,7 @@ impl LoadedSetup {
 
     /// Returns the file with the knowledge of the text decoder; `None` if the setup names none, and for a recording.
     pub fn learned_file(&self) -> Option<LearnedFile> {
-        let mut documents = self.documents.iter().filter(|_| self.has_files);
-        let (_, document) = documents.find(|(kind, _)| kind == kind::LEARNED)?;
+        let document = self.document(kind::LEARNED).filter(|_| self.has_files)?;
         Some(LearnedFile::new(&document.file, &document.text))
     }
 
@@ -357,9 +363,7 @@ impl LoadedSetup {
 
     /// Returns the glove file of the first hand, or `None` if its source needs none.
     pub fn glove_document(&self) -> Option<&Document> {
-        let mut documents = self.documents.iter();
-        let glove = documents.find(|(kind, _)| kind == kind::GLOVE);
-        glove.map(|(_, document)| document)
+        self.document(kind::GLOVE)
     }
 
     /// Returns the path of the glove file of the first hand, or `None` if it comes with the program or a recording.

@@ -2,7 +2,7 @@
 
 use ademan::files::Load;
 use ademan::hand::Side;
-use ademan::layout::{HandUse, Layout, Person};
+use ademan::layout::{Glove, HandUse, Layout, Person};
 use ademan::message::escape;
 use ademan::output;
 use ademan::setup::{LoadedSetup, OtherHand, Setup, simulated_glove};
@@ -97,9 +97,8 @@ fn side(args: &Args, person: Option<&Person>) -> Result<Side, Failure> {
 
 /// Refuses a glove whose counts the simulated line does not carry.
 fn check_gloves(setup: &LoadedSetup) -> Result<(), Failure> {
-    let other = setup.other_hand.iter().flat_map(|hand| &hand.glove);
-    let mut gloves = setup.glove.iter().chain(other);
-    match gloves.find(|glove| glove.map.full_scale() > MAX_COUNT) {
+    let is_too_fine = |glove: &&Glove| glove.map.full_scale() > MAX_COUNT;
+    match setup.gloves().find(is_too_fine) {
         None => Ok(()),
         Some(glove) => Err(Failure::wrong_use(format!(
             "the demo simulates the line of an HC11 converter, with counts up to {MAX_COUNT}, but `{}` has counts up to {}; \
