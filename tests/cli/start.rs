@@ -196,7 +196,7 @@ fn ctrl_c_at_any_step_leaves_no_file() {
     let port = wearer.port();
     let arguments = ["--port", &port, "--out", "mine.ron"];
     for (answers, last) in [
-        (0, "for some seconds"),
+        (0, "for a few seconds"),
         (0, "which hand"),
         (1, "layout, or the file"),
         (2, "calibrate now"),

@@ -27,7 +27,7 @@ pub enum Recognition {
     Silent,
 }
 
-/// Listens to a serial port for some seconds. An error states the reason and the remedy.
+/// Listens to a serial port for a few seconds. An error states the reason and the remedy.
 pub fn recognize(port: &str) -> Result<Recognition, String> {
     let mut baud = serial::DEFAULT_BAUD;
     let mut heard = listen(port, baud)?;

@@ -17,7 +17,7 @@ pub struct Port {
     pub heard: Option<Result<Recognition, String>>,
 }
 
-/// The ports and cameras of this machine. Each port is listened to for some seconds, on a thread of its own.
+/// The ports and cameras of this machine. Each port is listened to for a few seconds, on a thread of its own.
 pub struct Search {
     ports: Vec<Port>,
     cameras: Vec<Camera>,

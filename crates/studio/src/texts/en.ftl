@@ -583,7 +583,7 @@ first-hand = Which hand
 first-layout = Layout
 first-start = Ready
 first-no-port = No serial port is present. Connect the glove, then start Studio again.
-first-listening = { $port }: listening for some seconds …
+first-listening = { $port }: listening for a few seconds …
 first-recognized = { $port } has a device:
 first-unknown = { $bytes ->
         [one] { $port }: 1 byte of no known device. Check its bit rate.
@@ -602,7 +602,7 @@ first-mirrored = Mirror image of { $layout }, in a file of its own
 first-summary-source = Source
 first-summary-hand = Hand
 first-summary-layout = Layout
-first-calibrate = Calibrate the glove first: some poses, about a minute
+first-calibrate = Calibrate the glove first: a few poses, about a minute
 first-keep = Keep as the setup of every run without another one
 first-begin = Start
 first-skip = Skip

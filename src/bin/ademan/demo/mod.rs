@@ -65,7 +65,7 @@ pub struct Args {
     /// Glove of the first hand: the name of one that comes with the program, or a file
     #[arg(long, add = complete::glove())]
     glove: Option<String>,
-    /// Play every layout that comes with the program for some seconds
+    /// Play every layout that comes with the program for a few seconds
     #[arg(long, conflicts_with_all = ["layout", "text", "script"])]
     all: bool,
     /// Start again at the end, until Ctrl-C. The hand follows the layout file when it is saved

@@ -23,7 +23,7 @@ pub enum TextChoice<'a> {
     Given(&'a str),
     /// A text that the layout can type.
     Default,
-    /// A text that the layout can type within some seconds.
+    /// A text that the layout can type within a few seconds.
     Short,
 }
 

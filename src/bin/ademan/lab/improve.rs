@@ -239,7 +239,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::job(format!(
-        "no better layout found than {}: the gain of the search does not hold for other people and phrases, so nothing is written; more --people and --steps may help",
+        "no better layout found than {}: the gain of the search does not hold for other people and phrases, so nothing is written; larger --people and --steps may help",
         escape(&args.layout)
     )))
 }

@@ -193,7 +193,7 @@ fn calibrate(
     let Some(source) = source.filter(|_| args.glove.is_none() && !args.no_calibrate) else {
         return Ok(());
     };
-    let reason = "a glove fits a hand better after a calibration: some poses, one or two minutes";
+    let reason = "a glove fits a hand better after a calibration: a few poses, one or two minutes";
     let mut out = io::stdout();
     writeln!(out, "{reason}")?;
     if !questions.confirm("calibrate now")? {

@@ -26,7 +26,7 @@ pub fn find(args: &Args, questions: &Questions) -> Result<Option<SourceUri>, Fai
     let mut found = Vec::new();
     let mut out = io::stdout();
     for port in &ports {
-        writeln!(out, "listening to {} for some seconds", escape(port))?;
+        writeln!(out, "listening to {} for a few seconds", escape(port))?;
         found.extend(listen(port, &mut out)?);
     }
     if found.is_empty() && args.port.is_some() {

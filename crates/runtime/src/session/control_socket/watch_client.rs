@@ -89,7 +89,7 @@ impl WatchClient {
     }
 
     /// Receives views on a thread of its own until the session ends. The viewer holds the newest view only, so that the thread always reads
-    /// and the session never disconnects it; a program that was stopped for some seconds is disconnected, and connects again.
+    /// and the session never disconnects it; a program that was stopped for a few seconds is disconnected, and connects again.
     pub fn into_viewer(self, path: &Path) -> io::Result<Viewer> {
         let (mut slot, viewer) = viewer();
         let path = path.to_owned();

@@ -139,7 +139,7 @@ fn do_task(
             Ok(None)
         } else {
             Err(Failure::job(
-                "the source ended before the task was complete; the trials before it are kept, the command again repeats it",
+                "the source ended before the task was complete; the trials before it are kept; run the command again to repeat it",
             ))
         };
     }

@@ -129,7 +129,7 @@ impl Trials {
         };
         written.map_err(|error| {
             Failure::job(format!(
-                "cannot keep the trial {}: {error}; the command again repeats the task, and replaces the recording beside it",
+                "cannot keep the trial {}: {error}; run the command again to repeat the task, which replaces the recording beside it",
                 escape_path(&path)
             ))
         })?;
