@@ -211,7 +211,7 @@ fn for_each_line(
     for file in files {
         let lines = poses::lines(file)?;
         if lines.is_empty() {
-            let message = format!("{} holds no pose: one per line", poses::name(file));
+            let message = format!("{} holds no pose; write one per line", poses::name(file));
             return Err(Failure::wrong_use(message));
         }
         for (number, text) in lines {

@@ -66,7 +66,7 @@ pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure>
     }
     if poses.is_empty() {
         Err(Failure::wrong_use(format!(
-            "{} holds no pose: one per line, landmarks as JSON or CSV, or attributes of `ademan arm attributes`",
+            "{} holds no pose; write one per line: landmarks as JSON or CSV, or attributes as `ademan arm attributes` prints them",
             name(path)
         )))
     } else {

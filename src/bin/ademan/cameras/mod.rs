@@ -265,7 +265,7 @@ fn read_lines(paths: &[PathBuf]) -> Result<Vec<Line>, Failure> {
     }
     if lines.is_empty() {
         Err(Failure::wrong_use(
-            "the files hold no line; one per instant".to_owned(),
+            "the files are empty; write one line per instant",
         ))
     } else {
         Ok(lines)

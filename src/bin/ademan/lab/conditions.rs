@@ -336,7 +336,7 @@ impl Prepared {
         scored.map_err(|error| match error {
             ScoreError::Trial(ademan::trials::TrialError::Document(error)) => error.into(),
             ScoreError::Cancelled(error) => Failure::job(format!(
-                "cannot score {}: {error}; `ademan lab plan` divides a long run into parts, of which an interruption loses none that is done",
+                "cannot score {}: {error}; divide a long run into parts with `ademan lab plan`: an interruption loses no part that is done",
                 escape(&document.file)
             )),
             ScoreError::Trial(error @ ademan::trials::TrialError::NoLetters) => Failure::job(format!(

@@ -217,7 +217,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let Some([before, mut after]) = judged else {
         complain!(
-            "interrupted: the best layout so far was not judged by held-out people; `ademan lab compare` does"
+            "interrupted: the best layout so far was not judged by held-out people; judge it with `ademan lab compare`"
         );
         let written = destination.write(&document, &layout, &found.text)?;
         return written.announce(&args.layout);
