@@ -94,8 +94,7 @@ fn a_trace_of_a_recording_shows_both_hands_and_touches_its_own_layout() {
     let trace = |stage: &str| {
         let source = format!("recording:{recording}");
         let ended = run(["trace", stage, "--source", &source]).done();
-        let used = format!("using the setup in {recording}\n");
-        assert!(ended.err.contains(&used), "{}", ended.err);
+        ended.reported(&format!("using the setup in {recording}\n"));
         let lines = ended.out.lines();
         let lines = lines.map(|line| serde_json::from_str(line).expect("an object"));
         lines.collect::<Vec<serde_json::Value>>()

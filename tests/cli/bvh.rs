@@ -22,7 +22,7 @@ fn an_exported_hand_is_typed_recorded_and_replayed() {
     let exported = text(&exported);
     let export = ["export", exported, "--source", "typist:hola", "--rate-hz"];
     let export = run(export.into_iter().chain(["174.5454545"])).done();
-    assert!(export.err.contains("frames written to"), "{}", export.err);
+    export.reported("frames written to");
 
     let source = format!("file:{exported}?protocol=bvh");
     let typed = run(["run", "--source", &source, "--output", "transcript"]).done();
@@ -65,18 +65,16 @@ fn both_arms_of_body_landmarks_are_exported_below_the_hips_without_a_folded_fing
     assert!(HandJoints::find(&left.motion().skeleton, Side::Left).is_ok());
     assert!(HandJoints::find(&left.motion().skeleton, Side::Right).is_err());
     let path = folder.path().join("none.bvh");
-    let ended = run(["export", text(&path), "--setup", &setup, "--order", "zxz"]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("three different axes"), "{}", ended.err);
+    let ended = run(["export", text(&path), "--setup", &setup, "--order", "zxz"]).exited(2);
+    ended.reported("three different axes");
 }
 
 #[test]
 fn an_existing_file_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(&folder, "hand.bvh", "mine");
-    let ended = run(["export", &path, "--source", "typist:hi"]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("the file exists"), "{}", ended.err);
+    let ended = run(["export", &path, "--source", "typist:hi"]).exited(2);
+    ended.reported("the file exists");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
 }
 
@@ -93,13 +91,8 @@ fn an_export_without_a_pose_leaves_no_file() {
     assert_ne!(refused.code, Some(0));
     assert!(!path.exists(), "{}", refused.err);
     let left = ["--hand", "left", "--source", "typist:hi"];
-    let absent = run(["export", text(&path)].into_iter().chain(left));
-    assert_eq!(absent.code, Some(1), "{}", absent.err);
-    assert!(
-        absent.err.contains("hand.bvh is not written"),
-        "{}",
-        absent.err
-    );
+    let absent = run(["export", text(&path)].into_iter().chain(left)).exited(1);
+    absent.reported("hand.bvh is not written");
     assert!(!path.exists());
     run(["export", text(&path), "--source", "typist:hi"]).done();
     assert!(frames(&path) > 0);
@@ -118,11 +111,9 @@ fn an_export_that_fills_the_disk_names_its_file_which_opens() {
             .args(["-c", &script, env!("CARGO_BIN_EXE_ademan"), "export"])
             .args([text(&path), "--source", "typist:hola hola hola hola"])
             .stdin(Stdio::null());
-        let ended = Ended::from(shell.output().expect("a shell"));
-        assert_eq!(ended.code, Some(1), "{}", ended.err);
-        let named = format!("cannot write {}: ", text(&path));
-        assert!(ended.err.contains(&named), "{}", ended.err);
-        assert!(ended.err.contains("File too large"), "{}", ended.err);
+        let ended = Ended::from(shell.output().expect("a shell")).exited(1);
+        ended.reported(&format!("cannot write {}: ", text(&path)));
+        ended.reported("File too large");
         assert_eq!(path.exists(), is_kept);
         if is_kept {
             assert!(frames(&path) >= 100);
@@ -158,13 +149,7 @@ fn a_damaged_file_is_refused_with_its_line() {
     let source = format!("file:{path}?protocol=bvh");
     let ended = run(["run", "--source", &source, "--output", "transcript"]);
     assert_ne!(ended.code, Some(0), "{}", ended.err);
-    assert!(
-        ended
-            .err
-            .contains("line 5: an offset is three finite numbers"),
-        "{}",
-        ended.err
-    );
+    ended.reported("line 5: an offset is three finite numbers");
 }
 
 /// Returns the number of frames of a file, which has to be a whole one.
@@ -185,9 +170,8 @@ fn a_run_is_recorded_as_it_types_and_the_file_is_typed_again() {
     let source = format!("file:{}?protocol=bvh", text(&path));
     let typed = run(["run", "--source", &source, "--output", "transcript"]).done();
     assert_eq!(pressed_keys(&typed.out), KEYS, "{}", typed.err);
-    let again = run(arguments.into_iter().chain([text(&path)]));
-    assert_eq!(again.code, Some(2), "{}", again.err);
-    assert!(again.err.contains("the file exists"), "{}", again.err);
+    let again = run(arguments.into_iter().chain([text(&path)])).exited(2);
+    again.reported("the file exists");
 }
 
 #[test]
@@ -248,8 +232,8 @@ fn a_full_disk_leaves_a_whole_file_and_the_typing_goes_on() {
         println!("SKIPPED: no file system of its own: {}", ended.err);
         return;
     }
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
-    assert!(ended.err.contains("No space left"), "{}", ended.err);
+    let ended = ended.exited(1);
+    ended.reported("No space left");
     assert_eq!(pressed_keys(&ended.out).len(), 19, "{}", ended.out);
     let count = frames(&kept);
     println!("{count} frames fit");

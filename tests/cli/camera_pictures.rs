@@ -176,11 +176,7 @@ fn pictures_of_three_cameras_give_the_arm_that_moved() {
     for count in [2, 3] {
         let options = [&ARM_MARKS[..], &["--cameras", &exact]].concat();
         let found = markers(&folders[..count], &options).done();
-        assert!(
-            found.err.contains("cam0: 60 marks in 20 pictures"),
-            "{}",
-            found.err
-        );
+        found.reported("cam0: 60 marks in 20 pictures");
         let lines = file(&folder, &format!("lines{count}.jsonl"), &found.out);
         let joints = traced(&lines);
         assert_eq!(joints.len(), PICTURES);
@@ -297,15 +293,8 @@ fn a_film_has_the_marks_of_its_pictures_and_labels_stay_with_them() {
     let of_deep = markers(&[deep], &["--label", "a,b"]).done();
     assert_eq!(of_deep.out.lines().count(), 20);
     let no_film = file(&folder, "notes.txt", "no film");
-    let refused = markers(&[no_film.into()], &[]);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    assert!(
-        refused
-            .err
-            .contains("neither a folder of pictures nor a film"),
-        "{}",
-        refused.err
-    );
+    let refused = markers(&[no_film.into()], &[]).exited(2);
+    refused.reported("neither a folder of pictures nor a film");
 }
 
 #[test]
@@ -325,10 +314,8 @@ fn a_film_that_is_a_list_of_other_films_is_refused() {
     let lists = [playlist, "ffconcat version 1.0\nfile part.mkv\n".to_owned()];
     for (index, list) in lists.iter().enumerate() {
         let film = file(&folder, &format!("film{index}.mp4"), list);
-        let refused = markers(&[film.into()], &[]);
-        assert_eq!(refused.code, Some(2), "{}", refused.err);
-        let expected = "neither a folder of pictures nor a film";
-        assert!(refused.err.contains(expected), "{}", refused.err);
+        let refused = markers(&[film.into()], &[]).exited(2);
+        refused.reported("neither a folder of pictures nor a film");
     }
 }
 
@@ -368,7 +355,7 @@ fn cameras_stay_in_step_without_a_picture_and_films_of_other_rates_are_refused()
 
     fs::remove_file(right.join("5.png")).unwrap();
     let found = markers(&[left, right], &[]).done();
-    assert!(found.err.contains("right/5.png"), "{}", found.err);
+    found.reported("right/5.png");
     assert_eq!(found.out.lines().count(), 12);
     for (index, line) in found.out.lines().enumerate() {
         let [Some(of_left), of_right] = first_marks(line)[..] else {
@@ -381,10 +368,8 @@ fn cameras_stay_in_step_without_a_picture_and_films_of_other_rates_are_refused()
     if !are_made {
         return;
     }
-    let refused = markers(&films, &[]);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    let expected = "`left` has 30 pictures per second, and `right` 25";
-    assert!(refused.err.contains(expected), "{}", refused.err);
+    let refused = markers(&films, &[]).exited(2);
+    refused.reported("`left` has 30 pictures per second, and `right` 25");
     let resampled = markers(&films, &["--rate-hz", "25"]).done();
     let count = resampled.out.lines().count();
     assert!((10..=11).contains(&count), "{count} lines");
@@ -424,14 +409,9 @@ fn a_program_without_ffmpeg_says_how_to_install_it() {
     let folder = tempfile::tempdir().unwrap();
     let film = file(&folder, "film.mp4", "any");
     let mut command = ademan(["cameras", "markers", &film]);
-    let ended = Ended::from(command.env("PATH", folder.path()).output().unwrap());
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
-    assert!(ended.err.contains("cannot start ffmpeg"), "{}", ended.err);
-    assert!(
-        ended.err.contains("sudo apt install ffmpeg"),
-        "{}",
-        ended.err
-    );
+    let ended = Ended::from(command.env("PATH", folder.path()).output().unwrap()).exited(1);
+    ended.reported("cannot start ffmpeg");
+    ended.reported("sudo apt install ffmpeg");
 }
 
 #[test]
@@ -439,20 +419,9 @@ fn pictures_without_marks_of_other_sizes_and_damaged_ones_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let disc = vec![(DVec2::new(50.0, 60.0), WHITE)];
     let dark = write_pictures(folder.path(), "dark", &[vec![], vec![]]);
-    let ended = markers(std::slice::from_ref(&dark), &[]);
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
-    assert!(
-        ended
-            .err
-            .contains("no mark was found: the largest value of a pixel is 0.1"),
-        "{}",
-        ended.err
-    );
-    assert!(
-        ended.err.contains("lower it with `--threshold`"),
-        "{}",
-        ended.err
-    );
+    let ended = markers(std::slice::from_ref(&dark), &[]).exited(1);
+    ended.reported("no mark was found: the largest value of a pixel is 0.1");
+    ended.reported("lower it with `--threshold`");
 
     // A damaged picture shows nothing, so that the cameras stay in step.
     let left = write_pictures(
@@ -464,52 +433,38 @@ fn pictures_without_marks_of_other_sizes_and_damaged_ones_are_reported() {
     let bytes = fs::read(&second).unwrap();
     fs::write(&second, &bytes[..bytes.len() / 2]).unwrap();
     let cut = markers(std::slice::from_ref(&left), &[]).done();
-    assert!(
-        cut.err.contains("left: 2 marks in 3 pictures"),
-        "{}",
-        cut.err
-    );
-    assert!(cut.err.contains("1.png: the PNG is damaged"), "{}", cut.err);
+    cut.reported("left: 2 marks in 3 pictures");
+    cut.reported("1.png: the PNG is damaged");
     let counts = cut.out.lines().map(|line| line.matches("image").count());
     assert_eq!(counts.collect::<Vec<_>>(), [1, 0, 1]);
 
     // Fewer pictures of one camera.
     let right = write_pictures(folder.path(), "right", std::slice::from_ref(&disc));
     let missing = markers(&[left.clone(), right.clone()], &[]).done();
-    assert!(
-        missing.err.contains("right has only 1 pictures"),
-        "{}",
-        missing.err
-    );
+    missing.reported("right has only 1 pictures");
     assert_eq!(missing.out.lines().count(), 1);
 
     let mut random = fastrand::Rng::with_seed(1);
     write_png(&right.join("1.png"), [320, 200], &disc, &mut random);
-    let sizes = markers(&[right], &[]);
-    assert_eq!(sizes.code, Some(2), "{}", sizes.err);
-    assert!(sizes.err.contains("320 × 200 pixels"), "{}", sizes.err);
-    assert!(sizes.err.contains("480 × 360"), "{}", sizes.err);
+    let sizes = markers(&[right], &[]).exited(2);
+    sizes.reported("320 × 200 pixels");
+    sizes.reported("480 × 360");
 
     let mut camera = Camera::new("left".to_owned(), DVec2::new(640.0, 480.0));
     let cameras = CamerasFile::new(std::slice::from_ref(&camera)).to_text(CamerasFormat::Ron);
     let cameras = file(&folder, "cameras.ron", cameras);
-    let other_size = markers(std::slice::from_ref(&left), &["--cameras", &cameras]);
-    assert_eq!(other_size.code, Some(2), "{}", other_size.err);
-    assert!(other_size.err.contains("640 × 480"), "{}", other_size.err);
+    let other_size = markers(std::slice::from_ref(&left), &["--cameras", &cameras]).exited(2);
+    other_size.reported("640 × 480");
     camera.name = "other".to_owned();
     let other_cameras = CamerasFile::new(&[camera]).to_text(CamerasFormat::Ron);
     let other_cameras = file(&folder, "other.ron", other_cameras);
     let other_name = markers(&[left], &["--cameras", &other_cameras]);
-    assert!(
-        other_name.err.contains("has no camera `left`"),
-        "{}",
-        other_name.err
-    );
+    other_name.reported("has no camera `left`");
 
     let empty = folder.path().join("empty");
     fs::create_dir(&empty).unwrap();
     let none = markers(&[empty], &[]);
-    assert!(none.err.contains("there is no PNG or JPEG"), "{}", none.err);
+    none.reported("there is no PNG or JPEG");
 }
 
 #[test]
@@ -524,14 +479,13 @@ fn pictures_that_give_no_lines_leave_no_file_in_the_way_of_the_next_try() {
     let lines = folder.path().join("lines.jsonl");
     let output = ["--output", text(&lines)];
     for (pictures, code) in [(dark, 1), (mixed.clone(), 2)] {
-        let ended = markers(&[pictures], &output);
-        assert_eq!(ended.code, Some(code), "{}", ended.err);
+        let ended = markers(&[pictures], &output).exited(code);
         assert!(!ended.err.contains("wrote"), "{}", ended.err);
         assert!(!lines.exists(), "{}", ended.err);
     }
     fs::remove_file(second).unwrap();
     let ended = markers(&[mixed], &output).done();
-    assert!(ended.err.contains("wrote"), "{}", ended.err);
+    ended.reported("wrote");
     assert_eq!(fs::read_to_string(&lines).unwrap().lines().count(), 1);
 }
 
@@ -547,22 +501,8 @@ fn marks_that_touch_each_other_are_counted_and_give_no_false_centre() {
     let discs = [vec![alone, cut], touching.to_vec()].concat();
     let left = write_pictures(folder.path(), "left", &[discs]);
     let ended = markers(&[left], &[]).done();
-    assert!(
-        ended.err.contains("left: 1 marks in 1 pictures"),
-        "{}",
-        ended.err
-    );
-    assert!(
-        ended.err.contains("left: 1 shapes at the edge"),
-        "{}",
-        ended.err
-    );
-    assert!(
-        ended
-            .err
-            .contains("left: 1 shapes are left out because they are too long"),
-        "{}",
-        ended.err
-    );
+    ended.reported("left: 1 marks in 1 pictures");
+    ended.reported("left: 1 shapes at the edge");
+    ended.reported("left: 1 shapes are left out because they are too long");
     assert_eq!(ended.out.matches("image").count(), 1);
 }

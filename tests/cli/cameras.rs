@@ -80,11 +80,7 @@ fn a_wand_calibrates_cameras_whose_marks_are_then_markers() {
         let calibrated = calibrate(&wand, &path).done();
         let wrote = format!("wrote {}\n", path.display());
         assert!(calibrated.err.starts_with(&wrote), "{}", calibrated.err);
-        assert!(
-            calibrated.err.contains("cam2: 160 marks, median error 0.0"),
-            "{}",
-            calibrated.err
-        );
+        calibrated.reported("cam2: 160 marks, median error 0.0");
         let written = std::fs::read_to_string(&path).unwrap();
         let document = Document::new(name, written);
         let cameras = CamerasFile::parse(&document, format).unwrap().cameras();
@@ -116,7 +112,7 @@ fn a_wand_calibrates_cameras_whose_marks_are_then_markers() {
     let path = folder.path().join("cameras.ron");
     let again = calibrate("no-wand.jsonl", &path);
     assert_eq!(again.code, Some(2), "before anything is read");
-    assert!(again.err.contains("the file exists"), "{}", again.err);
+    again.reported("the file exists");
 }
 
 #[test]
@@ -126,10 +122,9 @@ fn a_camera_that_never_sees_the_wand_with_another_one_is_named() {
     let (both, alone) = (wand_lines(&cameras[..2]), wand_lines(&cameras[2..]));
     let wand = file(&folder, "wand.jsonl", [both, alone].concat().join("\n"));
     let path = folder.path().join("cameras.ron");
-    let ended = calibrate(&wand, &path);
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    let ended = calibrate(&wand, &path).exited(1);
     let expected = "`cam0` and `cam2` see both ends of the wand together in 0 frames and 8 are needed: 8 are missing";
-    assert!(ended.err.contains(expected), "{}", ended.err);
+    ended.reported(expected);
     assert!(!path.exists());
 }
 
@@ -142,10 +137,8 @@ fn a_camera_that_is_there_twice_is_refused_with_the_reason() {
         ..first.clone()
     };
     let wand = file(&folder, "wand.jsonl", wand_lines(&[first, twin]).join("\n"));
-    let ended = calibrate(&wand, &folder.path().join("cameras.ron"));
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
-    let expected = "`cam0` and `twin`: both see the points from one place";
-    assert!(ended.err.contains(expected), "{}", ended.err);
+    let ended = calibrate(&wand, &folder.path().join("cameras.ron")).exited(1);
+    ended.reported("`cam0` and `twin`: both see the points from one place");
 }
 
 #[test]
@@ -164,10 +157,9 @@ fn marks_outside_the_image_are_refused_with_their_place() {
         "--size",
         "640x360",
     ];
-    let ended = run(options.into_iter().chain(["--output", text(&output)]));
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let ended = run(options.into_iter().chain(["--output", text(&output)])).exited(2);
     let expected = "wand.jsonl:2: camera `left` has a mark at 908.5, 300, outside its image of 640 × 360 pixels";
-    assert!(ended.err.contains(expected), "{}", ended.err);
+    ended.reported(expected);
 }
 
 #[test]
@@ -175,10 +167,8 @@ fn a_line_that_is_no_json_has_its_number_in_the_file_only() {
     let folder = tempfile::tempdir().unwrap();
     let lines = "{\"cameras\": []}\n{\"cameras\" []}\n";
     let wand = file(&folder, "wand.jsonl", lines);
-    let ended = calibrate(&wand, &folder.path().join("cameras.ron"));
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    let expected = "wand.jsonl:2: expected `:` at column 12";
-    assert!(ended.err.contains(expected), "{}", ended.err);
+    let ended = calibrate(&wand, &folder.path().join("cameras.ron")).exited(2);
+    ended.reported("wand.jsonl:2: expected `:` at column 12");
 }
 
 #[test]
@@ -193,20 +183,15 @@ fn an_unknown_camera_is_named_and_leaves_no_part_of_the_lines() {
     let seen = file(&folder, "seen.jsonl", format!("{known}\n{unknown}\n"));
     let lines = folder.path().join("lines.jsonl");
     let from = ["cameras", "lines", &seen, "--cameras", &cameras];
-    let refused = run(from.into_iter().chain(["--output", text(&lines)]));
-    assert_eq!(refused.code, Some(2), "{}", refused.out);
-    assert!(
-        refused.err.contains("has no camera `cam9`"),
-        "{}",
-        refused.err
-    );
+    let refused = run(from.into_iter().chain(["--output", text(&lines)])).exited(2);
+    refused.reported("has no camera `cam9`");
     assert!(!lines.exists(), "a part of the lines is left");
 
     let better = folder.path().join("better.ron");
     let refine = ["cameras", "calibrate", &seen, "--refine"];
     let files = ["--cameras", &cameras, "--output", text(&better)];
     let refined = run(refine.into_iter().chain(files));
-    assert!(refined.err.contains("is called `cam9`"), "{}", refined.err);
+    refined.reported("is called `cam9`");
 }
 
 #[cfg(unix)]
@@ -230,8 +215,8 @@ fn no_part_of_the_cameras_is_left_on_a_full_disk() {
         "1280x720",
         "--output",
         text(&path),
-    ]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("cannot create"), "{}", ended.err);
+    ])
+    .exited(2);
+    ended.reported("cannot create");
     assert!(!path.exists());
 }

@@ -77,7 +77,7 @@ fn a_file_that_hides_a_shipped_one_is_reported() {
     let ended = home.run("layout check media").done();
     let expected =
         "`media` is the one that comes with the program; to use media.ron, write ./media.ron";
-    assert!(ended.err.contains(expected), "{}", ended.err);
+    ended.reported(expected);
     assert_eq!(home.run("layout check media.ron").done().err, "");
     let own = "config/ademan/layouts/media.ron";
     home.write(own, layout("mine", "A"));
@@ -86,7 +86,7 @@ fn a_file_that_hides_a_shipped_one_is_reported() {
         "using {}, which hides the `media` that comes with the program",
         home.config("layouts/media.ron")
     );
-    assert!(hidden.err.contains(&hiding), "{}", hidden.err);
+    hidden.reported(&hiding);
     home.write("work/other.ron", layout("other", "A"));
     assert_eq!(home.run("layout check other.ron").done().err, "");
 }
@@ -103,7 +103,7 @@ fn a_new_layout_is_found_by_its_name_and_one_that_is_missing_suggests_it() {
     .unwrap();
     home.run("run --source typist:1 --layout mine").done();
     let error = home.run("layout check mien");
-    assert!(error.err.contains("did you mean `mine`?"), "{}", error.err);
+    error.reported("did you mean `mine`?");
     let list = home.run("layouts").done().out;
     assert!(list.lines().any(|line| line.starts_with("mine ")), "{list}");
     assert_eq!(list, home.run("layout list").done().out);
@@ -149,13 +149,8 @@ fn a_layout_a_glove_and_a_person_of_one_name_are_three_files() {
     home.run("schema glove mine").done();
     // A file of another kind is no meaning of the name.
     fs::remove_file(home.0.path().join("config/ademan/gloves/mine.ron")).unwrap();
-    let missing = home.run("run --source typist:a --glove mine");
-    assert_eq!(missing.code, Some(2));
-    assert!(
-        missing.err.contains("mine: there is no such file"),
-        "{}",
-        missing.err
-    );
+    let missing = home.run("run --source typist:a --glove mine").exited(2);
+    missing.reported("mine: there is no such file");
     assert!(!missing.err.contains("layouts/mine.ron"), "{}", missing.err);
 }
 
@@ -168,23 +163,22 @@ fn the_setup_of_the_configuration_folder_is_used_and_said_unless_another_is_name
     );
     home.write("config/ademan/layouts/mine.ron", layout("mine", "1"));
     let ended = home.run("run").done();
-    let said = format!("using {}", home.config("setup.ron"));
-    assert!(ended.err.contains(&said), "{}", ended.err);
-    assert!(ended.out.contains("down 1"), "{}", ended.out);
+    ended.reported(&format!("using {}", home.config("setup.ron")));
+    ended.printed("down 1");
     home.write(
         "work/other.ron",
         "Setup(source: \"typist:2\", layout: \"numpad\")",
     );
     let other = home.run("run other.ron").done();
     assert!(!other.err.contains("using"), "{}", other.err);
-    assert!(other.out.contains("down Numpad2"), "{}", other.out);
+    other.printed("down Numpad2");
     home.write("config/ademan/setup.ron", "Setup(stall_timeout_ms: 5)");
     let invalid = home.run("run --source typist:1");
     let place = format!(
         "{}:1:25: `stall_timeout_ms` is 20 to 10000",
         home.config("setup.ron")
     );
-    assert!(invalid.err.contains(&place), "{}", invalid.err);
+    invalid.reported(&place);
 }
 
 #[cfg(unix)]
@@ -195,8 +189,7 @@ fn a_setup_of_the_configuration_folder_that_cannot_be_read_is_not_ignored() {
     let home = Home::new();
     let path = home.0.path().join("config/ademan/setup.ron");
     let refused = |reason: &str| {
-        let ended = home.run("run --source typist:1");
-        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        let ended = home.run("run --source typist:1").exited(2);
         assert_eq!(ended.out, "", "nothing is typed without its limits");
         let named = ended.err.contains(&home.config("setup.ron"));
         assert!(named && ended.err.contains(reason), "{}", ended.err);
@@ -233,11 +226,7 @@ fn files_to_start_from_come_with_the_program_and_are_valid() {
     ] {
         let ended = home.run(line);
         assert_eq!(ended.code, Some(2), "{line}");
-        assert!(
-            ended.err.contains("choose another name or remove it"),
-            "{}",
-            ended.err
-        );
+        ended.reported("choose another name or remove it");
     }
     assert!(Path::new(&home.0.path().join("work/my-script.txt")).exists());
 }
@@ -255,8 +244,7 @@ fn an_export_of_a_recording_has_its_setup_and_not_the_one_of_the_configuration_f
     let ended = home
         .run("export after.bvh --source recording:hand.mcap")
         .done();
-    let used = "using the setup in hand.mcap\n";
-    assert!(ended.err.contains(used), "{}", ended.err);
+    ended.reported("using the setup in hand.mcap\n");
     let [before, after] = ["before.bvh", "after.bvh"].map(|name| {
         let path = home.0.path().join("work").join(name);
         fs::read_to_string(path).unwrap()

@@ -34,29 +34,24 @@ pub(super) fn check<'a>(checks: &'a [Value], name: &str) -> &'a Value {
 
 #[test]
 fn missing_requirements_are_listed_with_their_remedy() {
-    let ended = run(["doctor", "--source", "serial:/dev/no-such-glove"]);
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
-    let missing = "missing      serial port  needed  /dev/no-such-glove does not exist\n";
-    assert!(ended.out.contains(missing), "{}", ended.out);
+    let ended = run(["doctor", "--source", "serial:/dev/no-such-glove"]).exited(1);
+    ended.printed("missing      serial port  needed  /dev/no-such-glove does not exist\n");
     let mut checks = ended.out.lines().map(|line| line.split_whitespace().nth(1));
     assert!(checks.all(|check| check != Some("source")), "{}", ended.out);
-    let remedy = "\n# serial port, which is needed\n# check the cable";
-    assert!(ended.out.contains(remedy), "{}", ended.out);
+    ended.printed("\n# serial port, which is needed\n# check the cable");
     run(["doctor", "--source", "typist:hi"]).done();
 }
 
 #[test]
 fn an_output_that_cannot_send_what_the_layout_requires_is_a_finding() {
-    let ended = run(["doctor", "--output", "spacenav", "--json"]);
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    let ended = run(["doctor", "--output", "spacenav", "--json"]).exited(1);
     let checks = checks(&ended);
     let outputs = check(&checks, "outputs");
     assert_eq!(outputs["status"], "missing");
     let text = outputs["text"].as_str().expect("a text");
     assert!(text.contains("`spacenav` does not support"), "{text}");
     assert!(checks.len() > 1, "the other checks are reported too");
-    let unknown = run(["doctor", "--output", "spacenavy"]);
-    assert_eq!(unknown.code, Some(2), "{}", unknown.out);
+    run(["doctor", "--output", "spacenavy"]).exited(2);
 }
 
 #[test]
@@ -69,9 +64,7 @@ fn a_display_and_a_running_session_are_detected() {
             .env("XDG_RUNTIME_DIR", folder.path());
         command.output().expect("the program starts").into()
     };
-    let ended = doctor(&[]);
-    let free = checks(&ended);
-    assert_eq!(ended.code, Some(0), "{}", ended.out);
+    let free = checks(&doctor(&[]).done());
     assert_eq!(check(&free, "sockets")["status"], "ok");
     let desktop = doctor(&["--output", "desktop"]);
     let display = &checks(&desktop);
@@ -83,9 +76,7 @@ fn a_display_and_a_running_session_are_detected() {
 
     fs::create_dir(folder.path().join("ademan")).unwrap();
     let _run = UnixListener::bind(folder.path().join("ademan/control.sock")).unwrap();
-    let busy = doctor(&[]);
-    let taken = checks(&busy);
-    assert_eq!(busy.code, Some(1));
+    let taken = checks(&doctor(&[]).exited(1));
     let text = check(&taken, "sockets")["text"].to_string();
     let process = format!("(process {})", std::process::id());
     assert!(text.contains(&process), "{text}");
@@ -131,8 +122,7 @@ fn a_desktop_that_hangs_is_a_finding_and_does_not_hang_the_doctor() {
     // The display 0 of a machine has the port 6000.
     let display = format!("127.0.0.1:{}", port.checked_sub(6000).expect("a high port"));
     command.arg(&setup).env("DISPLAY", display);
-    let ended: Ended = command.output().expect("the program starts").into();
-    assert_eq!(ended.code, Some(1), "{}", ended.out);
+    let ended = Ended::from(command.output().expect("the program starts")).exited(1);
     let found = checks(&ended);
     let focus = check(&found, "focus");
     assert_eq!(focus["status"], "missing");
@@ -200,42 +190,36 @@ fn a_denied_port_is_explained_and_members_of_its_group_may_open_it() {
         return;
     };
     let owner = format!("needed  no permission to open {port}, which only its owner may open\n");
-    assert!(ended.out.contains(&owner), "{}{}", ended.out, ended.err);
-    assert_eq!(ended.code, Some(1), "{}", ended.out);
+    ended.printed(&owner);
+    ended.exited(1);
 
     belongs_to(dialout, 0o660);
     let denied = as_nobody(&program, "--clear-groups", &source).unwrap();
     let group =
         format!("needed  no permission to open {port}, which belongs to the group `dialout`\n");
-    assert!(denied.out.contains(&group), "{}{}", denied.out, denied.err);
-    let join = "\nsudo usermod --append --groups dialout $USER\n# log in again\n";
-    assert!(denied.out.contains(join), "{}", denied.out);
-    assert_eq!(denied.code, Some(1), "{}", denied.out);
+    denied.printed(&group);
+    denied.printed("\nsudo usermod --append --groups dialout $USER\n# log in again\n");
+    denied.exited(1);
 
-    let member = as_nobody(&program, &format!("--groups={dialout}"), &source).unwrap();
-    assert_eq!(member.code, Some(0), "{}{}", member.out, member.err);
+    as_nobody(&program, &format!("--groups={dialout}"), &source)
+        .unwrap()
+        .done();
 }
 
 #[test]
 fn the_test_of_an_unavailable_output_fails_with_the_reason() {
-    let ended = run(["doctor", "--test", "desktop"]);
-    assert_eq!(ended.code, Some(1));
+    let ended = run(["doctor", "--test", "desktop"]).exited(1);
     let reason =
         "fails        desktop      tested  cannot open the output `desktop`: DISPLAY is not set";
-    assert!(ended.out.contains(reason), "{}", ended.out);
+    ended.printed(reason);
     assert_eq!(run(["doctor", "--test", "transcript"]).code, Some(2));
 }
 
 #[test]
 fn an_invalid_setup_is_refused() {
     assert_eq!(run(["doctor", "no-such-setup.ron"]).code, Some(2));
-    let ended = run(["doctor", "--output", "desktp"]);
-    assert_eq!(ended.code, Some(2));
-    assert!(
-        ended.err.contains("did you mean `desktop`?"),
-        "{}",
-        ended.err
-    );
+    let ended = run(["doctor", "--output", "desktp"]).exited(2);
+    ended.reported("did you mean `desktop`?");
 }
 
 #[test]
@@ -408,7 +392,7 @@ fn root_is_refused_without_allow_root_but_may_use_other_commands() {
         assert_eq!(ended.code, Some(2), "{arguments:?}: {}", ended.err);
         assert_eq!(ended.out, "");
         for part in ["refusing to run as root", "--allow-root"] {
-            assert!(ended.err.contains(part), "{}", ended.err);
+            ended.reported(part);
         }
     }
     run(&["replay", recording]).done();

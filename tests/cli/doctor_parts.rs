@@ -8,8 +8,7 @@ use crate::{Ended, ademan};
 #[test]
 fn an_output_that_this_machine_or_this_build_lacks_is_a_finding() {
     let doctor = |layout: &str, output: &str| {
-        let ended = run(["doctor", "--layout", layout, "--output", output, "--json"]);
-        assert_eq!(ended.code, Some(1), "{}{}", ended.out, ended.err);
+        let ended = run(["doctor", "--layout", layout, "--output", output, "--json"]).exited(1);
         let found = checks(&ended);
         let outputs = check(&found, "outputs");
         assert_eq!(outputs["status"], "missing", "{outputs}");
@@ -87,8 +86,7 @@ fn a_source_that_this_build_lacks_is_a_finding() {
         ),
     ];
     for &(_, source, reason) in sources.iter().filter(|(is_built, ..)| !is_built) {
-        let ended = run(["doctor", "--source", source, "--json"]);
-        assert_eq!(ended.code, Some(1), "{}{}", ended.out, ended.err);
+        let ended = run(["doctor", "--source", source, "--json"]).exited(1);
         let found = checks(&ended);
         let found_source = check(&found, "source");
         assert_eq!(found_source["status"], "missing", "{found_source}");

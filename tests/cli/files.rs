@@ -16,7 +16,7 @@ pub fn recorded(folder: &tempfile::TempDir) -> String {
     let path = folder.path().join("hand.mcap");
     let path = text(&path).to_owned();
     let ended = run(["record", &path, "--source", TYPED]).done();
-    assert!(ended.err.contains("readings:"), "{}", ended.err);
+    ended.reported("readings:");
     assert_eq!(ended.out, "");
     path
 }
@@ -43,10 +43,8 @@ fn a_truncated_recording_is_played_up_to_the_cut_and_fails() {
     let whole = run(["replay", &path]).done().out;
     let bytes = std::fs::read(&path).unwrap();
     let cut = file(&folder, "cut.mcap", &bytes[..bytes.len() / 2]);
-    let ended = run(["replay", &cut]);
-    assert_eq!(ended.code, Some(3), "{}", ended.err);
-    let place = "the recording is cut off at byte ";
-    assert!(ended.err.contains(place), "{}", ended.err);
+    let ended = run(["replay", &cut]).exited(3);
+    ended.reported("the recording is cut off at byte ");
     let same = ended
         .out
         .lines()
@@ -98,7 +96,7 @@ fn messages_do_not_contain_typed_text() {
         "none",
     ])
     .done();
-    assert!(ended.err.contains("armed"), "{}", ended.err);
+    ended.reported("armed");
     let logged = std::fs::read_to_string(&log).expect("a log");
     assert!(logged.contains("armed"), "{logged}");
     let replayed = run(["replay", "-vv", text(&path), "--output", "none"]).done();
@@ -122,9 +120,8 @@ fn a_run_whose_recording_cannot_be_created_leaves_no_file() {
         ),
     ] {
         let arguments = ["run", "--source", "typist:hi", "--output", &output];
-        let ended = run(arguments.into_iter().chain(recordings));
-        assert_eq!(ended.code, Some(2), "{}", ended.err);
-        assert!(ended.err.contains(reason), "{}", ended.err);
+        let ended = run(arguments.into_iter().chain(recordings)).exited(2);
+        ended.reported(reason);
         assert!(!transcript.exists() && !both.exists(), "{}", ended.err);
     }
 }
@@ -144,7 +141,7 @@ fn the_demo_writes_a_transcript_and_prints_its_statistics() {
         "0 lost",
         "p99",
     ] {
-        assert!(ended.out.contains(word), "{}", ended.out);
+        ended.printed(word);
     }
     let transcript = std::fs::read_to_string(path).unwrap();
     let events: Vec<&str> = transcript.lines().map(|line| line[13..].trim()).collect();
@@ -162,11 +159,7 @@ fn the_demo_writes_a_transcript_and_prints_its_statistics() {
 #[test]
 fn the_demo_has_a_text_for_a_board_of_digits() {
     let ended = run(["demo", "--layout", "numpad"]).done();
-    assert!(
-        ended.out.contains("typed      \"3.14159*2-0.5\""),
-        "{}",
-        ended.out
-    );
+    ended.printed("typed      \"3.14159*2-0.5\"");
 }
 
 #[test]
@@ -192,7 +185,7 @@ fn the_demo_plays_a_script_and_prints_its_events() {
     ];
     assert_eq!(events, keys, "{}", ended.out);
     for word in ["plays ", "played     4 events", "0 lost", "p99"] {
-        assert!(ended.out.contains(word), "{}", ended.out);
+        ended.printed(word);
     }
 }
 
@@ -240,9 +233,8 @@ fn paths_in_a_setup_are_relative_to_it_and_flags_override_it() {
         "setup.ron",
         "Setup(source: \"typist:a\", layout: \"board.ron\", arm_immediately: true)",
     );
-    let ended = run(["run", &setup]);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("cannot type 'a'"), "{}", ended.err);
+    let ended = run(["run", &setup]).exited(2);
+    ended.reported("cannot type 'a'");
     let with_layout = run(["run", &setup, "--layout", "qwerty-flat"]).done();
     assert_eq!(with_layout.out.lines().count(), 2, "{}", with_layout.out);
 }
@@ -301,8 +293,7 @@ fn sources_outputs_and_gloves_are_listed_with_an_example() {
     ] {
         assert!(gloves.contains(example), "{gloves}");
     }
-    let refused = run(["man"]);
-    assert_eq!(refused.code, Some(2), "{}", refused.out);
+    run(["man"]).exited(2);
 }
 
 #[test]
@@ -354,13 +345,8 @@ fn a_new_layout_is_a_copy_and_overwrites_nothing() {
     assert!(written.contains("name: \"mine\""), "{written}");
     let mine = text(&path).to_owned() + ".ron";
     assert!(run(["layout", "check", &mine]).done().out.contains("valid"));
-    let again = run(["layout", "new", &mine]);
-    assert_eq!(again.code, Some(2));
-    assert!(
-        again.err.contains("choose another name or remove it"),
-        "{}",
-        again.err
-    );
+    let again = run(["layout", "new", &mine]).exited(2);
+    again.reported("choose another name or remove it");
 }
 
 #[test]
@@ -369,15 +355,8 @@ fn keys_out_of_reach_of_the_default_hand_are_listed() {
     let far = "Layout(name: \"far\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),\n\
                rows: [(at_mm: (0, 0), keys: \"N\"), (at_mm: (0, 200), keys: \"F\")])])";
     let path = file(&folder, "far.ron", far);
-    let ended = run(["layout", "check", &path]);
-    assert_eq!(ended.code, Some(0), "{}", ended.err);
-    assert!(
-        ended
-            .err
-            .contains("far.ron: 1 control out of reach, nearest first: `F` ("),
-        "{}",
-        ended.err
-    );
+    let ended = run(["layout", "check", &path]).done();
+    ended.reported("far.ron: 1 control out of reach, nearest first: `F` (");
     assert!(!ended.err.contains("`N`"), "{}", ended.err);
 }
 
@@ -426,16 +405,8 @@ fn one_cause_gives_one_warning_for_all_keys_out_of_reach() {
     let path = file(&folder, "far.ron", far);
     let ended = run(["layout", "check", &path]).done();
     assert_eq!(ended.err.lines().count(), 1, "{}", ended.err);
-    assert!(
-        ended.err.contains("400 controls out of reach"),
-        "{}",
-        ended.err
-    );
-    assert!(
-        ended.err.contains("and 388 more; move the board nearer"),
-        "{}",
-        ended.err
-    );
+    ended.reported("400 controls out of reach");
+    ended.reported("and 388 more; move the board nearer");
 }
 
 #[test]
@@ -456,9 +427,8 @@ fn keys_that_the_simulated_hand_cannot_press_are_warnings() {
     );
     let path = file(&folder, "pad.ron", pad);
     let ended = run(["layout", "check", &path]).done();
-    let warning = " cannot be pressed by the simulated hand: its ";
-    assert!(ended.err.contains(warning), "{}", ended.err);
-    assert!(ended.err.contains("would press `F"), "{}", ended.err);
+    ended.reported(" cannot be pressed by the simulated hand: its ");
+    ended.reported("would press `F");
 }
 
 #[test]
@@ -472,13 +442,8 @@ fn a_layout_is_checked_for_the_hand_of_a_flag_or_a_setup() {
     let reaches = run(["layout", "check", &path]).done();
     assert_eq!(reaches.err, "");
     for flag in [["--hand", "189,262"], ["--setup", &setup]] {
-        let ended = run(["layout", "check", &path, flag[0], flag[1]]);
-        assert_eq!(ended.code, Some(0), "{}", ended.err);
-        assert!(
-            ended.err.contains("out of reach, nearest first: `N` ("),
-            "{}",
-            ended.err
-        );
+        let ended = run(["layout", "check", &path, flag[0], flag[1]]).done();
+        ended.reported("out of reach, nearest first: `N` (");
     }
     for wrong in ["189", "189,x", "1890,262", "262,189"] {
         let ended = run(["layout", "check", &path, "--hand", wrong]);
@@ -501,13 +466,7 @@ fn a_run_reports_the_keys_out_of_reach_of_its_hand() {
         "--control",
         "off",
     ]);
-    assert!(
-        ended
-            .err
-            .contains("far.ron: 1 control out of reach, nearest first: `F` ("),
-        "{}",
-        ended.err
-    );
+    ended.reported("far.ron: 1 control out of reach, nearest first: `F` (");
 }
 
 #[test]
@@ -518,8 +477,7 @@ fn a_check_prints_json_for_programs() {
         "wrong.ron",
         "Layout(name: \"w\",\nboards: [(pose: (anchor: elbow), kyes: [], pitch_mm: 0)])",
     );
-    let ended = run(["layout", "check", "--json", "numpad", &wrong, "nowhere"]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let ended = run(["layout", "check", "--json", "numpad", &wrong, "nowhere"]).exited(2);
     let json: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
     let file = |index: usize| &json[index];
     assert_eq!(
@@ -544,14 +502,9 @@ fn a_recording_announces_its_growth_and_the_room_on_the_disk() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("hand.mcap");
     let ended = run(["record", text(&path), "--source", TYPED]).done();
-    let expected = "hand.mcap: up to 176 MB an hour at 175 readings per second";
-    assert!(ended.err.contains(expected), "{}", ended.err);
+    ended.reported("hand.mcap: up to 176 MB an hour at 175 readings per second");
     #[cfg(unix)]
-    assert!(
-        ended.err.contains("GB are free on its disk, enough for"),
-        "{}",
-        ended.err
-    );
+    ended.reported("GB are free on its disk, enough for");
     // Without the schemas and the setup, which an hour does not repeat.
     let size = std::fs::metadata(&path).unwrap().len() - 100_000;
     let readings = ended
@@ -566,7 +519,7 @@ fn a_recording_announces_its_growth_and_the_room_on_the_disk() {
     );
     let run_path = folder.path().join("run.mcap");
     let run_ended = run(["run", "--source", "typist:a", "--record", text(&run_path)]).done();
-    assert!(run_ended.err.contains("MB an hour"), "{}", run_ended.err);
+    run_ended.reported("MB an hour");
 }
 
 #[test]
@@ -575,8 +528,7 @@ fn a_recording_of_positions_grows_by_no_more_than_it_announces() {
     let path = folder.path().join("markers.mcap");
     let source = "typist:hello?protocol=markers";
     let ended = run(["record", text(&path), "--source", source]).done();
-    let expected = "markers.mcap: up to 360 MB an hour at 100 readings per second";
-    assert!(ended.err.contains(expected), "{}", ended.err);
+    ended.reported("markers.mcap: up to 360 MB an hour at 100 readings per second");
     // Without the schemas and the setup, which an hour does not repeat.
     let size = std::fs::metadata(&path).unwrap().len() - 100_000;
     let readings = ended
@@ -593,9 +545,8 @@ fn a_file_without_a_packet_is_a_failure() {
     let folder = tempfile::tempdir().unwrap();
     let noise = file(&folder, "noise.bin", "no packet in here");
     let source = format!("file:{noise}");
-    let ended = run(["run", "--control", "off", "--source", &source]);
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
-    assert!(ended.err.contains("sent no valid packet"), "{}", ended.err);
+    let ended = run(["run", "--control", "off", "--source", &source]).exited(1);
+    ended.reported("sent no valid packet");
 }
 
 #[test]
@@ -629,15 +580,10 @@ fn a_layout_that_names_a_profile_is_checked_without_the_setup_that_has_it() {
     let path = file(&folder, "mix.ron", layout);
     let checked = run(["layout", "check", &path]).done();
     let note = "it names the profile `media`, which the setup must have; check it with `--setup`";
-    assert!(checked.err.contains(note), "{}", checked.err);
+    checked.reported(note);
     let setup = file(&folder, "setup.ron", "Setup()");
-    let refused = run(["layout", "check", &path, "--setup", &setup]);
-    assert_eq!(refused.code, Some(2));
-    assert!(
-        refused.err.contains("unknown profile `media`"),
-        "{}",
-        refused.err
-    );
+    let refused = run(["layout", "check", &path, "--setup", &setup]).exited(2);
+    refused.reported("unknown profile `media`");
 }
 
 #[test]
@@ -652,9 +598,9 @@ fn a_layout_with_a_key_of_the_system_is_checked_with_a_warning_unless_the_setup_
     let allowing = file(&folder, "allow.ron", "Setup(allow_system_keys: true)");
     let check = ["layout", "check", &path];
     let checked = run(check).done();
-    assert!(checked.err.contains(note), "{}", checked.err);
+    checked.reported(note);
     let with_setup = run([&check[..], &["--setup", &setup]].concat()).done();
-    assert!(with_setup.err.contains(note), "{}", with_setup.err);
+    with_setup.reported(note);
     let allowed = run([&check[..], &["--setup", &allowing]].concat()).done();
     assert!(!allowed.err.contains("MetaLeft"), "{}", allowed.err);
 }
@@ -668,7 +614,7 @@ fn a_layout_whose_keys_need_a_setup_is_drawn_and_toured_without_one() {
     let layout = format!("Layout(name: \"a\", boards: [(pose: ({pose}), {keys})])");
     let path = file(&folder, "mix.ron", layout);
     let picture = run(["layout", "show", &path, "--svg", "-"]).done();
-    assert!(picture.out.contains("</svg>"), "{}", picture.err);
+    picture.printed("</svg>");
     let tour = run(["script", "new", "-", "--from", &path]).done();
-    assert!(tour.out.contains("tap MetaLeft"), "{}", tour.out);
+    tour.printed("tap MetaLeft");
 }

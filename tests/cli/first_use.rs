@@ -73,14 +73,10 @@ fn a_left_handed_check_is_left_handed_and_a_mirrored_layout_passes_it() {
     let folder = tempfile::tempdir().unwrap();
     let setup = file(&folder, "left.ron", "Setup(glove: \"unam-hc11-left\")");
     let checked = run(["layout", "check", "qwerty-flat", "--setup", &setup]).done();
-    assert!(
-        checked.err.contains("controls out of reach"),
-        "{}",
-        checked.err
-    );
+    checked.reported("controls out of reach");
     let command =
         "`ademan layout new NAME --from qwerty-flat --mirror` copies it for the left hand";
-    assert!(checked.err.contains(command), "{}", checked.err);
+    checked.reported(command);
     let typed = |layout: &str| {
         run([
             "run",
@@ -96,11 +92,7 @@ fn a_left_handed_check_is_left_handed_and_a_mirrored_layout_passes_it() {
         ])
     };
     let refused = typed("qwerty-flat");
-    assert!(
-        refused.err.contains("for the right hand"),
-        "{}",
-        refused.err
-    );
+    refused.reported("for the right hand");
 
     let mine = text(&folder.path().join("mine.ron")).to_owned();
     run(["layout", "new", &mine, "--from", "qwerty-flat", "--mirror"]).done();
@@ -117,8 +109,7 @@ fn a_left_handed_check_is_left_handed_and_a_mirrored_layout_passes_it() {
         typed.out
     );
     let other_hand = run(["run", "--source", "typist:hi", "--layout", &mine]);
-    let remedy = "name a glove of that hand, such as `unam-hc11-left`";
-    assert!(other_hand.err.contains(remedy), "{}", other_hand.err);
+    other_hand.reported("name a glove of that hand, such as `unam-hc11-left`");
 }
 
 #[test]
@@ -133,18 +124,14 @@ fn every_shipped_layout_for_one_hand_is_within_reach_of_the_other_when_mirrored(
         let path = text(&folder.path().join(format!("left-{name}.ron"))).to_owned();
         let created = run(["layout", "new", &path, "--from", name, "--mirror"]);
         if name.contains("two") {
-            assert!(
-                created.err.contains("boards for both hands"),
-                "{}",
-                created.err
-            );
+            created.reported("boards for both hands");
             continue;
         }
         created.done();
         let ended = run(["layout", "check", &path, "--setup", &setup]).done();
         // The other hand carries its board.
         if name == "wrist-remote" {
-            assert!(ended.err.contains("set `other_hand`"), "{}", ended.err);
+            ended.reported("set `other_hand`");
             continue;
         }
         assert_eq!(ended.err, "", "{name}");
@@ -161,14 +148,9 @@ fn a_layout_that_does_not_fit_a_hand_is_not_called_valid() {
     let path = file(&folder, "arc.ron", arc);
     let check = |hand: &str| run(["layout", "check", &path, "--hand", hand]);
     assert!(check("150,265").done().out.contains("valid"));
-    let ended = check("180,170");
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let ended = check("180,170").exited(2);
     assert_eq!(ended.out, "", "{}", ended.err);
-    assert!(
-        ended.err.contains("beyond the ends of its arc"),
-        "{}",
-        ended.err
-    );
+    ended.reported("beyond the ends of its arc");
 }
 
 #[test]
@@ -292,13 +274,8 @@ fn wrong_names_in_a_setup_have_a_line() {
     ] {
         let setup = file(&folder, "wrong.ron", format!("Setup(\n{field},\n)"));
         for command in ["run", "doctor"] {
-            let ended = run([command, &setup, "--source", "typist:a"]);
-            assert_eq!(ended.code, Some(2), "{}", ended.err);
-            assert!(
-                ended.err.contains(&format!("wrong.ron{expected}")),
-                "{}",
-                ended.err
-            );
+            let ended = run([command, &setup, "--source", "typist:a"]).exited(2);
+            ended.reported(&format!("wrong.ron{expected}"));
         }
     }
 }
@@ -318,7 +295,7 @@ fn doctor_finds_the_panic_keys_that_a_run_refuses() {
             line.starts_with("missing ") && line.contains(" needed "),
             "{line}"
         );
-        assert_eq!(checked.code, Some(1), "{}", checked.out);
+        checked.exited(1);
     } else {
         assert!(line.starts_with("ok "), "{line}")
     }
@@ -393,7 +370,7 @@ fn the_unit_is_written_to_its_folder_for_the_program_that_writes_it() {
     };
     let written = folder.path().join("config/systemd/user/ademan.service");
     let ended = install("unit").done();
-    assert!(ended.out.contains(text(&written)), "{}", ended.out);
+    ended.printed(text(&written));
     let unit = std::fs::read_to_string(&written).unwrap();
     let program = env!("CARGO_BIN_EXE_ademan");
     for line in [
@@ -437,9 +414,8 @@ fn a_file_of_a_person_needs_an_absolute_folder() {
             .env("XDG_CONFIG_HOME", config);
         Ended::from(command.output().unwrap())
     };
-    let refused = install(Path::new("config"));
-    assert_eq!(refused.code, Some(2));
-    assert!(refused.err.contains("set HOME"), "{}", refused.err);
+    let refused = install(Path::new("config")).exited(2);
+    refused.reported("set HOME");
     let mut left = std::fs::read_dir(folder.path()).unwrap();
     assert!(left.next().is_none(), "nothing is in the working folder");
     let config = folder.path().join("config");
@@ -503,9 +479,8 @@ fn a_unit_names_a_program_with_any_letters_and_the_next_command_works() {
     let quoted = folder.join("it's");
     std::fs::create_dir(&quoted).unwrap();
     copy_binary(&quoted.join("ademan"));
-    let refused = install(&quoted.join("ademan"));
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    assert!(refused.err.contains("move the program"), "{}", refused.err);
+    let refused = install(&quoted.join("ademan")).exited(2);
+    refused.reported("move the program");
     assert!(!unit.exists());
 }
 
@@ -576,15 +551,14 @@ fn the_bridge_of_the_webcam_asks_for_its_model_first() {
                 println!("SKIPPED: python3 is not installed");
                 return;
             }
-            ended => Ended::from(ended.unwrap()),
+            ended => Ended::from(ended.unwrap()).exited(1),
         };
         let place = format!("https://ai.google.dev/edge/mediapipe/solutions/vision/{model}");
-        assert_eq!(ended.code, Some(1), "{}", ended.err);
         assert!(
             ended.err.starts_with("there is no model file 'no.task'"),
             "{}",
             ended.err
         );
-        assert!(ended.err.contains(&place), "{}", ended.err);
+        ended.reported(&place);
     }
 }

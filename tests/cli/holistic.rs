@@ -74,13 +74,9 @@ fn a_second_source_for_the_arm_is_refused() {
         "stdin:?protocol=holistic",
         "--arm-source",
         arm,
-    ]);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    assert!(
-        refused.err.contains("remove `arm_source`"),
-        "{}",
-        refused.err
-    );
+    ])
+    .exited(2);
+    refused.reported("remove `arm_source`");
 }
 
 #[test]
@@ -92,16 +88,12 @@ fn a_source_that_shows_only_the_other_hand_says_so_with_the_remedy() {
     let source = format!("file:{path}?protocol=hand-landmarks&camera=head");
     for command in [&["run"][..], &["trace", "readings"]] {
         let ended = run(command.iter().copied().chain(["--source", &source]));
-        assert!(
-            ended.err.contains("7 of the other hand left out"),
-            "{}",
-            ended.err
-        );
+        ended.reported("7 of the other hand left out");
         let expected = "shows only the left hand, which the setup does not use: add `hand=left` to the options of the source";
-        assert!(ended.err.contains(expected), "{}", ended.err);
+        ended.reported(expected);
     }
     let left = format!("{source}&hand=left");
     let used = run(["run", "--source", &left]).done();
-    assert!(used.err.contains("7 readings: 7 accepted"), "{}", used.err);
+    used.reported("7 readings: 7 accepted");
     assert!(!used.err.contains("other hand"), "{}", used.err);
 }

@@ -56,7 +56,7 @@ fn a_score_is_printed_written_and_verified() {
         "an input",
         "keys hit worst",
     ] {
-        assert!(ended.out.contains(words), "{}", ended.out);
+        ended.printed(words);
     }
     let table = std::fs::read_to_string(&csv).expect("a table");
     assert_eq!(table.lines().count(), 4, "{table}");
@@ -69,11 +69,7 @@ fn a_score_is_printed_written_and_verified() {
         assert!(!page.contains(reference), "{reference}");
     }
     let verified = run(["lab", "verify", text(&json), "--jobs", "2"]).done();
-    assert!(
-        verified.out.contains("the same figures for 3 people"),
-        "{}",
-        verified.out
-    );
+    verified.printed("the same figures for 3 people");
 
     let result = std::fs::read_to_string(&json).expect("a result");
     let refused = |changed: &str, words: &str| {
@@ -84,7 +80,7 @@ fn a_score_is_printed_written_and_verified() {
             "{:?}",
             changed_end.code
         );
-        assert!(changed_end.err.contains(words), "{}", changed_end.err);
+        changed_end.reported(words);
     };
     let hits = result.find("\"hits\": ").expect("a figure of a person");
     let last = result
@@ -125,44 +121,28 @@ fn a_changed_comparison_is_not_verified() {
     let more = ["--people", "2", "--count", "1", "--json", text(&path)];
     run([&["lab", "compare"], &layouts[..], &more].concat()).done();
     let verified = run(["lab", "verify", text(&path)]).done();
-    assert!(
-        verified.out.contains("the same figures for 2 people"),
-        "{}",
-        verified.out
-    );
+    verified.printed("the same figures for 2 people");
     let result = std::fs::read_to_string(&path).expect("a result");
     let place = result.find("\"differences\": ").expect("a comparison");
     let changed =
         result[..place].to_owned() + &result[place..].replacen("\"value\": ", "\"value\": 9", 1);
     let changed = file(&folder, "changed.json", changed);
-    let ended = run(["lab", "verify", &changed]);
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
-    let words = "the comparison of qwerty-flat-22 differs";
-    assert!(ended.err.contains(words), "{}", ended.err);
+    let ended = run(["lab", "verify", &changed]).exited(1);
+    ended.reported("the comparison of qwerty-flat-22 differs");
 }
 
 #[test]
 fn two_layouts_are_compared_with_the_same_people() {
     let line = "lab compare qwerty-flat qwerty-flat-22 --people 6 --count 2";
     let ended = run(line.split(' ')).done();
-    assert!(
-        ended.out.contains("qwerty-flat-22 minus qwerty-flat"),
-        "{}",
-        ended.out
-    );
-    assert!(ended.out.contains("hands up to"), "{}", ended.out);
+    ended.printed("qwerty-flat-22 minus qwerty-flat");
+    ended.printed("hands up to");
     let same = "lab compare qwerty-flat qwerty-flat --people 6 --count 1";
     let compared = run(same.split(' ')).done();
-    let verdict = "is not clearly faster or slower and makes not clearly more or fewer errors";
-    assert!(compared.out.contains(verdict), "{}", compared.out);
+    compared.printed("is not clearly faster or slower and makes not clearly more or fewer errors");
     let tasks = "lab compare qwerty-flat workshop --people 1 --count 1";
-    let compared_tasks = run(tasks.split(' '));
-    assert_eq!(compared_tasks.code, Some(2), "{}", compared_tasks.err);
-    assert!(
-        compared_tasks.err.contains("scored by tasks"),
-        "{}",
-        compared_tasks.err
-    );
+    let compared_tasks = run(tasks.split(' ')).exited(2);
+    compared_tasks.reported("scored by tasks");
     assert_eq!(compared_tasks.out, "", "it is refused before anybody types");
     let one = ["--people", "1", "--count", "1"];
     let of_one = run([&["lab", "compare", "qwerty-flat", "qwerty-arc"], &one[..]].concat()).done();
@@ -188,7 +168,7 @@ fn the_ranges_of_a_repeated_person_are_over_repetitions_and_the_result_says_so()
         "qwerty-flat: 2 repetitions of one simulated person,",
         "the ranges are over repetitions of one person",
     ] {
-        assert!(repeated.out.contains(words), "{}", repeated.out);
+        repeated.printed(words);
     }
     let page = std::fs::read_to_string(&html).expect("a page");
     assert!(page.contains("from resampled repetitions of one person"));
@@ -202,34 +182,25 @@ fn a_text_that_cannot_be_typed_names_its_characters_and_an_empty_one_is_refused(
     let phrases = file(&folder, "phrases.txt", "¿qué tal?\n");
     let score_text = |path: &str| run(SCORE.into_iter().chain(["--text", path]));
     let ended = score_text(&phrases).done();
-    assert!(
-        ended.err.contains("left out of the phrases: ¿ é"),
-        "{}",
-        ended.err
-    );
+    ended.reported("left out of the phrases: ¿ é");
     let empty = file(&folder, "empty.txt", "\n \n");
-    let empty_end = score_text(&empty);
-    assert_eq!(empty_end.code, Some(2));
-    assert!(empty_end.err.contains("no phrase"), "{}", empty_end.err);
+    let empty_end = score_text(&empty).exited(2);
+    empty_end.reported("no phrase");
     // Nothing of these texts can be typed.
     for other in ["\u{1f600}\n", "да нет\n"] {
         let other = file(&folder, "other.txt", other);
-        let ended_early = score_text(&other);
-        assert_eq!(ended_early.code, Some(2), "{}", ended_early.out);
-        let words = "types no letter and no digit of";
-        assert!(ended_early.err.contains(words), "{}", ended_early.err);
+        let ended_early = score_text(&other).exited(2);
+        ended_early.reported("types no letter and no digit of");
     }
-    let unknown = run(["lab", "score", "no-such-layout"]);
-    assert_eq!(unknown.code, Some(2));
+    run(["lab", "score", "no-such-layout"]).exited(2);
 }
 
 #[test]
 fn a_layout_that_does_not_type_is_scored_by_tasks() {
     let ended = run(["lab", "score", "workshop", "--people", "2", "--tier", "T0"]).done();
-    assert!(ended.out.contains("tasks done, %"), "{}", ended.out);
-    assert!(ended.out.contains("error of a value"), "{}", ended.out);
-    let words = "workshop.ron is scored by tasks: it types none of the phrases";
-    assert!(ended.err.contains(words), "{}", ended.err);
+    ended.printed("tasks done, %");
+    ended.printed("error of a value");
+    ended.reported("workshop.ron is scored by tasks: it types none of the phrases");
     assert!(!ended.err.contains("not tried"), "{}", ended.err);
 }
 
@@ -243,8 +214,8 @@ fn controls_that_no_simulated_hand_can_use_are_named_and_not_counted() {
         assert!(ended.err.contains(words), "{layout}: {}", ended.err);
     }
     let some = score("gestures").done();
-    assert!(some.err.contains("not tried on "), "{}", some.err);
-    assert!(some.err.contains("Full screen"), "{}", some.err);
+    some.reported("not tried on ");
+    some.reported("Full screen");
 }
 
 #[cfg(unix)]
@@ -252,29 +223,24 @@ fn controls_that_no_simulated_hand_can_use_are_named_and_not_counted() {
 fn the_figures_are_printed_although_a_result_cannot_be_written() {
     let folder = tempfile::tempdir().expect("a folder");
     for option in ["--json", "--csv", "--html"] {
-        let refused = run([&SCORE[..], &[option, "/no/folder/result"]].concat());
-        assert_eq!(refused.code, Some(2), "{}", refused.err);
-        let reason = "cannot write /no/folder/result: there is no such folder; create it";
-        assert!(refused.err.contains(reason), "{}", refused.err);
+        let refused = run([&SCORE[..], &[option, "/no/folder/result"]].concat()).exited(2);
+        refused.reported("cannot write /no/folder/result: there is no such folder; create it");
         assert_eq!(refused.out, "", "it is refused before anybody types");
         for (place, words) in [
             (text(folder.path()), "this is a directory"),
             ("-", "not to the standard output"),
         ] {
-            let early = run([&SCORE[..], &[option, place]].concat());
-            assert_eq!(early.code, Some(2), "{}", early.err);
-            assert!(early.err.contains(words), "{}", early.err);
+            let early = run([&SCORE[..], &[option, place]].concat()).exited(2);
+            early.reported(words);
             assert_eq!(early.out, "", "it is refused before anybody types");
         }
     }
     // The limit of the size of files stands for a full disk: the result is longer than the table.
     let (json, table) = (folder.path().join("a.json"), folder.path().join("a.csv"));
     let files = ["--json", text(&json), "--csv", text(&table)];
-    let ended = run_with_small_files(&[&SCORE[..], &files].concat());
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
-    assert!(ended.err.contains("cannot write"), "{}", ended.err);
-    let figures = "wrong characters (CER), %";
-    assert!(ended.out.contains(figures), "{}{}", ended.out, ended.err);
+    let ended = run_with_small_files(&[&SCORE[..], &files].concat()).exited(1);
+    ended.reported("cannot write");
+    ended.printed("wrong characters (CER), %");
     assert!(table.exists(), "the other files are written");
 }
 
@@ -309,10 +275,9 @@ fn a_result_replaces_no_file_that_is_read_and_no_other_result() {
     ] {
         let ended = run([&score[..], &more].concat());
         assert_eq!(ended.code, Some(2), "{more:?}: {}", ended.err);
-        assert!(ended.err.contains("name another file"), "{}", ended.err);
+        ended.reported("name another file");
     }
-    let ended = run(["lab", "replay", &recording, "--json", &recording]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    run(["lab", "replay", &recording, "--json", &recording]).exited(2);
     let read = |path: &str| std::fs::read_to_string(path).expect("the file is left");
     assert_eq!(read(&phrases), "hello world\n");
     assert_eq!(read(&layout), board);

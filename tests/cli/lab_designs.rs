@@ -54,16 +54,8 @@ fn a_layout_is_improved_only_if_held_out_people_do_better() {
     let better = arguments(text(&path), "assignment");
     let steps = ["--steps", "30"].map(str::to_owned);
     let ended = run(better.iter().cloned().chain(steps)).done();
-    assert!(
-        ended.out.contains("held out: 6 simulated people"),
-        "{}",
-        ended.out
-    );
-    assert!(
-        ended.out.contains("gain for the objective: "),
-        "{}",
-        ended.out
-    );
+    ended.printed("held out: 6 simulated people");
+    ended.printed("gain for the objective: ");
     let written = std::fs::read_to_string(&path).expect("a layout");
     assert!(
         written.starts_with("// The order is mine.") && written.contains("// a name"),
@@ -73,21 +65,15 @@ fn a_layout_is_improved_only_if_held_out_people_do_better() {
     run(["layout", "check", text(&path)]).done();
 
     // It is not overwritten.
-    let again = run(better);
-    assert_eq!(again.code, Some(2), "{}", again.err);
-    assert!(again.err.contains("exists"), "{}", again.err);
+    let again = run(better).exited(2);
+    again.reported("exists");
 
     // Nobody presses the keys that may move.
     let other = folder.path().join("other.ron");
     let kept = arguments(text(&other), "assignment");
     let few = ["--keep", "1 2", "--steps", "5"].map(str::to_owned);
-    let kept_end = run(kept.into_iter().chain(few));
-    assert_eq!(kept_end.code, Some(1), "{}{}", kept_end.out, kept_end.err);
-    assert!(
-        kept_end.err.contains("no better layout found"),
-        "{}",
-        kept_end.err
-    );
+    let kept_end = run(kept.into_iter().chain(few)).exited(1);
+    kept_end.reported("no better layout found");
     assert!(!other.exists());
     for (bad, words) in [
         (["--objective", "sped"], "unknown objective"),
@@ -100,7 +86,7 @@ fn a_layout_is_improved_only_if_held_out_people_do_better() {
             all.filter(|it| bad[0] != "--objective" || (it != "--objective" && it != "effort"));
         let bad_end = run(all.chain(bad.map(str::to_owned)));
         assert_eq!(bad_end.code, Some(2), "{bad:?}: {}", bad_end.err);
-        assert!(bad_end.err.contains(words), "{}", bad_end.err);
+        bad_end.reported(words);
     }
 }
 
@@ -153,11 +139,10 @@ fn an_improved_layout_is_kept_whatever_becomes_of_the_text_and_of_results() {
         let (kept, json) = (path("kept.ron"), path("result.json"));
         let files = ["--output", text(&kept), "--json", text(&json)];
         let all = [&start[..], &["--steps", "30"], &files].concat();
-        let ended = super::lab::run_with_small_files(&all);
-        assert_eq!(ended.code, Some(1), "{}", ended.err);
-        assert!(ended.err.contains("result.json"), "{}", ended.err);
+        let ended = super::lab::run_with_small_files(&all).exited(1);
+        ended.reported("result.json");
         assert!(kept.exists(), "{}{}", ended.out, ended.err);
-        assert!(ended.out.contains("kept.ron"), "{}", ended.out);
+        ended.printed("kept.ron");
     }
 }
 
@@ -172,9 +157,9 @@ fn an_improvement_that_cannot_be_kept_or_judged_is_refused_before_the_search() {
         ("5", text(&better), "fewer than 6 people cannot show"),
         ("6", "-", "the layout needs a file"),
     ] {
-        let ended = run([&improve(&pad, &phrases, people, "3")[..], &["--output", to]].concat());
-        assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
-        assert!(ended.err.contains(words), "{}", ended.err);
+        let ended =
+            run([&improve(&pad, &phrases, people, "3")[..], &["--output", to]].concat()).exited(2);
+        ended.reported(words);
         assert!(!ended.err.contains("tried"), "{}", ended.err);
     }
     #[cfg(unix)]
@@ -183,9 +168,8 @@ fn an_improvement_that_cannot_be_kept_or_judged_is_refused_before_the_search() {
         let read_only = std::fs::Permissions::from_mode(0o444);
         std::fs::set_permissions(&pad, read_only).expect("a mode");
         let start = improve(&pad, &phrases, "6", "3");
-        let ended = run([&start[..], &["--overwrite"]].concat());
-        assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
-        assert!(ended.err.contains("it is read-only"), "{}", ended.err);
+        let ended = run([&start[..], &["--overwrite"]].concat()).exited(2);
+        ended.reported("it is read-only");
     }
 }
 
@@ -198,10 +182,8 @@ fn only_the_file_of_the_layout_itself_is_overwritten() {
     let start = improve("qwerty-flat", &phrases, "6", "3");
     let mut command = ademan([&start[..], &["--steps", "2", "--overwrite"]].concat());
     let ended = command.current_dir(folder.path()).output();
-    let ended: super::Ended = ended.expect("the program starts").into();
-    assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
-    let words = "comes with the program and cannot be overwritten";
-    assert!(ended.err.contains(words), "{}", ended.err);
+    let ended = super::Ended::from(ended.expect("the program starts")).exited(2);
+    ended.reported("comes with the program and cannot be overwritten");
     let kept = std::fs::read_to_string(notes).expect("the file");
     assert_eq!(kept, "my notes");
 }
@@ -277,19 +259,13 @@ fn the_decoder_is_better_than_other_readings_of_the_same_taps() {
     let chords = "lab score chords-bend --people 1 --decoder auto";
     let ended = run(chords.split(' '));
     assert_ne!(ended.code, Some(0));
-    let advice = "ten keys of letters; use --decoder off";
-    assert!(ended.err.contains(advice), "{}", ended.err);
+    ended.reported("ten keys of letters; use --decoder off");
     let spanish = run(["lab", "score", "spanish-flat", "--decoder", "auto:es"]);
-    assert!(spanish.err.contains("for a US keymap"), "{}", spanish.err);
-    let language = run(["lab", "score", "qwerty-flat", "--decoder", "auto:xx"]);
-    assert_eq!(language.code, Some(2));
-    assert!(
-        language.err.contains("the languages are"),
-        "{}",
-        language.err
-    );
+    spanish.reported("for a US keymap");
+    let language = run(["lab", "score", "qwerty-flat", "--decoder", "auto:xx"]).exited(2);
+    language.reported("the languages are");
     let mode = run(["lab", "score", "qwerty-flat", "--decoder", "clever"]);
-    assert!(mode.err.contains("or `off`"), "{}", mode.err);
+    mode.reported("or `off`");
 }
 
 #[test]
@@ -334,8 +310,7 @@ fn people_who_correct_leave_fewer_errors_and_press_more_keys() {
 fn a_layout_on_which_no_error_can_be_corrected_is_named() {
     let line = "lab score numpad --phrases digits --people 1 --count 1 --corrections 0.5";
     let ended = run(line.split(' ')).done();
-    let words = "numpad.ron: it has no Backspace";
-    assert!(ended.err.contains(words), "{}", ended.err);
+    ended.reported("numpad.ron: it has no Backspace");
     let careless = run(line.replace("0.5", "0").split(' ')).done();
     assert!(!careless.err.contains("Backspace"), "{}", careless.err);
 }
@@ -396,11 +371,7 @@ fn a_layout_of_the_community_is_imported_checked_and_scored() {
     );
     let path = folder.path().join("grid.ron");
     let ended = run(["lab", "import", &grid, "--output", text(&path)]).done();
-    assert!(
-        ended.err.contains("added below the letters: Space"),
-        "{}",
-        ended.err
-    );
+    ended.reported("added below the letters: Space");
     run(["layout", "check", text(&path)]).done();
     let scored = run([
         "lab",
@@ -416,25 +387,18 @@ fn a_layout_of_the_community_is_imported_checked_and_scored() {
     .done();
     let [errors, ..] = row(&scored.out, "wrong characters (CER), %");
     assert!(errors < 5.0, "{}", scored.out);
-    let again = run(["lab", "import", &grid, "--output", text(&path)]);
-    assert_eq!(again.code, Some(2), "{}", again.err);
+    run(["lab", "import", &grid, "--output", text(&path)]).exited(2);
     // A part of the name behind a point is no extension.
     std::fs::rename(&grid, folder.path().join("grid.v2.txt")).expect("a file");
     let mut import = ademan(["lab", "import", "grid.v2.txt"]);
     let unnamed = import.current_dir(folder.path()).output();
-    let unnamed: super::Ended = unnamed.expect("the program starts").into();
-    unnamed.done();
+    super::Ended::from(unnamed.expect("the program starts")).done();
     assert!(folder.path().join("grid.v2.ron").exists());
     let other = file(
         &folder,
         "other.klc",
         "KBD us \"US\"\nCOPYRIGHT a line of words\n",
     );
-    let other_end = run(["lab", "import", &other]);
-    assert_eq!(other_end.code, Some(2));
-    assert!(
-        other_end.err.contains("known are .dof files"),
-        "{}",
-        other_end.err
-    );
+    let other_end = run(["lab", "import", &other]).exited(2);
+    other_end.reported("known are .dof files");
 }

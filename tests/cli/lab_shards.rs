@@ -20,7 +20,7 @@ fn plan(folder: &Path, layouts: &[&str]) -> PathBuf {
     let start = ["lab", "plan"];
     let arguments = start.iter().chain(layouts).chain(&CONDITIONS);
     let ended = run(arguments.chain(&place)).done();
-    assert!(ended.out.contains("4 shards of 7 people"), "{}", ended.out);
+    ended.printed("4 shards of 7 people");
     sweep
 }
 
@@ -52,9 +52,8 @@ fn shards_in_any_order_give_the_result_of_one_run_byte_by_byte() {
     // The same plan again is no error, and another one in its place is.
     plan(folder.path(), &layouts);
     let other = ["lab", "plan", "numpad", "--to", text(&sweep)];
-    let ended = run(other);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("is another plan"), "{}", ended.err);
+    let ended = run(other).exited(2);
+    ended.reported("is another plan");
 
     for number in ["3", "0"] {
         run(["lab", "run", text(&sweep), number, "--jobs", "2"]).done();
@@ -63,13 +62,8 @@ fn shards_in_any_order_give_the_result_of_one_run_byte_by_byte() {
         .expect("scores")
         .permissions();
     assert_eq!(mode.mode() & 0o777, 0o600);
-    let early = run(["lab", "merge", text(&sweep)]);
-    assert_eq!(early.code, Some(1));
-    assert!(
-        early.err.contains("2 of 4 shards have no scores yet: 1 2;"),
-        "{}",
-        early.err
-    );
+    let early = run(["lab", "merge", text(&sweep)]).exited(1);
+    early.reported("2 of 4 shards have no scores yet: 1 2;");
 
     let partial = folder.path().join("partial.json");
     let arguments = [
@@ -81,22 +75,12 @@ fn shards_in_any_order_give_the_result_of_one_run_byte_by_byte() {
         text(&partial),
     ];
     let partial_end = run(arguments).done();
-    assert!(
-        partial_end
-            .out
-            .contains("PARTIAL: 3 of 7 people; 2 of 4 shards are missing"),
-        "{}",
-        partial_end.out
-    );
+    partial_end.printed("PARTIAL: 3 of 7 people; 2 of 4 shards are missing");
     run(["lab", "verify", text(&partial)]).done();
 
     let before = fs::read(shard(&sweep, 0)).expect("scores");
     let resumed = run(["lab", "run", text(&sweep)]).done();
-    assert!(
-        resumed.err.contains("shard-00000.json: done before"),
-        "{}",
-        resumed.err
-    );
+    resumed.reported("shard-00000.json: done before");
     assert_eq!(fs::read(shard(&sweep, 0)).expect("scores"), before);
     let whole = in_one_piece(folder.path(), "compare", &layouts);
     assert_eq!(merged(&sweep), whole);
@@ -107,9 +91,8 @@ fn shards_in_any_order_give_the_result_of_one_run_byte_by_byte() {
 fn layouts_of_both_kinds_are_not_planned_and_merged_scores_of_them_are_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let mixed = folder.path().join("mixed");
-    let refused = run(["lab", "plan", "qwerty-flat", "arrows", "--to", text(&mixed)]);
-    assert_eq!(refused.code, Some(2), "{}", refused.out);
-    assert!(refused.err.contains("scored by tasks"), "{}", refused.err);
+    let refused = run(["lab", "plan", "qwerty-flat", "arrows", "--to", text(&mixed)]).exited(2);
+    refused.reported("scored by tasks");
 
     // A plan of both, as no command makes it.
     let sweep = plan(folder.path(), &["qwerty-flat"]);
@@ -126,10 +109,9 @@ fn layouts_of_both_kinds_are_not_planned_and_merged_scores_of_them_are_written()
     fs::write(sweep.join("plan.json"), both.to_string()).expect("a plan");
     run(["lab", "run", text(&sweep)]).done();
     let json = folder.path().join("both.json");
-    let merged = run(["lab", "merge", text(&sweep), "--json", text(&json)]);
-    assert_eq!(merged.code, Some(2), "{}", merged.err);
-    assert!(merged.err.contains("cannot compare"), "{}", merged.err);
-    assert!(merged.out.contains("tasks done, %"), "{}", merged.out);
+    let merged = run(["lab", "merge", text(&sweep), "--json", text(&json)]).exited(2);
+    merged.reported("cannot compare");
+    merged.printed("tasks done, %");
     assert!(json.exists());
 }
 
@@ -151,9 +133,8 @@ fn killed_shards_are_run_again_and_the_result_is_the_same() {
     }
     // As after a kill in the middle of a write on a file system that keeps no order.
     fs::write(shard(&sweep, 1), "{\"format\":\"ademan-lab-sh").expect("a cut file");
-    let ended = run(["lab", "merge", text(&sweep)]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("it cannot be read"), "{}", ended.err);
+    let ended = run(["lab", "merge", text(&sweep)]).exited(2);
+    ended.reported("it cannot be read");
     let mut all: Vec<_> = (0..4).map(start).collect();
     for shard in &mut all {
         assert!(shard.wait().expect("it ends").success());
@@ -177,27 +158,14 @@ fn foreign_shards_and_plans_of_other_versions_are_refused() {
         &["lab", "merge", text(&sweep), "--partial"][..],
         &["lab", "run", text(&sweep), "1"],
     ] {
-        let ended = run(command);
-        assert_eq!(ended.code, Some(2), "{}", ended.err);
-        assert!(
-            ended.err.contains("it belongs to another plan"),
-            "{}",
-            ended.err
-        );
+        let ended = run(command).exited(2);
+        ended.reported("it belongs to another plan");
     }
     fs::rename(shard(&other, 1), shard(&other, 2)).expect("a new name");
     let ended = run(["lab", "merge", text(&other), "--partial"]);
-    assert!(
-        ended.err.contains("it does not hold the people of shard 2"),
-        "{}",
-        ended.err
-    );
+    ended.reported("it does not hold the people of shard 2");
     let out_of_range = run(["lab", "run", text(&other), "4"]);
-    assert!(
-        out_of_range.err.contains("the plan has shards 0 to 3"),
-        "{}",
-        out_of_range.err
-    );
+    out_of_range.reported("the plan has shards 0 to 3");
 
     let path = sweep.join("plan.json");
     let whole = fs::read_to_string(&path).expect("a plan");
@@ -223,8 +191,7 @@ fn foreign_shards_and_plans_of_other_versions_are_refused() {
         ("{", "", "cannot be read"),
     ] {
         fs::write(&path, whole.replacen(from, to, 1)).expect("a changed plan");
-        let changed = run(["lab", "run", text(&sweep), "0"]);
-        assert_eq!(changed.code, Some(2), "{}", changed.err);
+        let changed = run(["lab", "run", text(&sweep), "0"]).exited(2);
         assert!(changed.err.contains(words), "{words}: {}", changed.err);
     }
 }

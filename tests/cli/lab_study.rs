@@ -52,9 +52,8 @@ fn assert_keeps_the_study(study: &Path, html: &Path) {
     ] {
         let report = ["lab", "study", "report", text(study)];
         let files = ["--html", text(html), "--csv", text(csv)];
-        let refused = run(report.iter().chain(&files));
-        assert_eq!(refused.code, Some(2), "{}", refused.err);
-        assert!(refused.err.contains(words), "{}", refused.err);
+        let refused = run(report.iter().chain(&files)).exited(2);
+        refused.reported(words);
     }
     run(["lab", "study", "report", text(study)]).done();
 }
@@ -71,16 +70,11 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
             .collect::<Vec<_>>(),
     );
     let ended = add(&study, "P01", &["--simulated", "--tasks", "1"]).done();
-    assert!(
-        ended.out.contains("P01 on qwerty-flat: "),
-        "{}{}",
-        ended.out,
-        ended.err
-    );
-    assert!(ended.out.contains("P01: 1 task to go"), "{}", ended.out);
+    ended.printed("P01 on qwerty-flat: ");
+    ended.printed("P01: 1 task to go");
     let rest = add(&study, "P01", &["--simulated"]).done();
-    assert!(rest.out.contains("P01 on numpad: "), "{}", rest.out);
-    assert!(rest.out.contains("has done all tasks"), "{}", rest.out);
+    rest.printed("P01 on numpad: ");
+    rest.printed("has done all tasks");
     // The second participant begins with the second layout.
     let second = add(
         &study,
@@ -88,7 +82,7 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
         &["--simulated", "--tasks", "1", "--no-recording"],
     )
     .done();
-    assert!(second.out.contains("P02 on numpad: "), "{}", second.out);
+    second.printed("P02 on numpad: ");
 
     let trial = study.join("trials/P01-0000.json");
     assert_eq!(mode(&trial), 0o600);
@@ -136,13 +130,8 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
 
     let damaged = fs::read_to_string(&trial).expect("a trial");
     fs::write(&trial, &damaged[..40]).expect("a cut file");
-    let damaged_end = run(["lab", "study", "report", text(&study)]);
-    assert_eq!(damaged_end.code, Some(2));
-    assert!(
-        damaged_end.err.contains("P01-0000.json"),
-        "{}",
-        damaged_end.err
-    );
+    let damaged_end = run(["lab", "study", "report", text(&study)]).exited(2);
+    damaged_end.reported("P01-0000.json");
 }
 
 #[test]
@@ -179,8 +168,7 @@ fn all_layouts_that_type_have_the_same_phrases() {
     let layouts = ["qwerty-flat", "numpad", "workshop"];
     let start = ["lab", "study", "new", text(&study)];
     let ended = run([&start[..], &layouts, &["--text", &phrases]].concat()).done();
-    let words = "left out of all phrases: Space a c g l n o w";
-    assert!(ended.err.contains(words), "{}", ended.err);
+    ended.reported("left out of all phrases: Space a c g l n o w");
     let made = json(&study);
     let tasks = |index: usize| &made["layouts"][index]["tasks"];
     assert_eq!(tasks(0), tasks(1));
@@ -221,11 +209,7 @@ fn trials_of_another_study_do_not_count() {
     let smaller = new(&other, &["numpad", "--text", &phrases, "--count", "1"]);
     fs::copy(smaller.join("study.json"), study.join("study.json")).expect("a copy");
     let ended = add(&study, "P01", &["--simulated", "--no-recording"]).done();
-    assert!(
-        ended.out.contains("P01 has done all tasks"),
-        "{}",
-        ended.out
-    );
+    ended.printed("P01 has done all tasks");
 
     fs::remove_file(study.join("study.json")).expect("it is there");
     let again = run([
@@ -236,13 +220,9 @@ fn trials_of_another_study_do_not_count() {
         "numpad",
         "--text",
         &phrases,
-    ]);
-    assert_eq!(again.code, Some(2), "{}", again.out);
-    assert!(
-        again.err.contains("has trials of another study"),
-        "{}",
-        again.err
-    );
+    ])
+    .exited(2);
+    again.reported("has trials of another study");
 }
 
 #[test]
@@ -253,7 +233,7 @@ fn rings_and_values_are_measured_where_a_layout_does_not_type() {
         &["direct", "workshop", "--rings", "1", "--values", "1"],
     );
     let ended = add(&study, "P01", &["--simulated"]).done();
-    assert!(ended.out.contains("bit/s"), "{}", ended.out);
+    ended.printed("bit/s");
     let (out, rows) = report(&study);
     assert!(out.contains("effective throughput, bit/s"), "{out}");
     assert!(out.contains("error of a value"), "{out}");
@@ -277,20 +257,11 @@ fn practice_sessions_are_added_once() {
     let study = new(folder.path(), &["qwerty-flat", "--count", "1"]);
     let mut practice = ademan(["practice", "--layout", "qwerty-flat", "--text", "hi"]);
     practice.env("XDG_STATE_HOME", folder.path().join("state"));
-    let ended: Ended = practice.output().expect("the program starts").into();
-    ended.done();
+    Ended::from(practice.output().expect("the program starts")).done();
     let added = add(&study, "P01", &["--practice"]).done();
-    assert!(
-        added.out.contains("added 1 practice session of P01"),
-        "{}",
-        added.out
-    );
+    added.printed("added 1 practice session of P01");
     let added_again = add(&study, "P01", &["--practice"]).done();
-    assert!(
-        added_again.out.contains("added 0 practice sessions"),
-        "{}",
-        added_again.out
-    );
+    added_again.printed("added 0 practice sessions");
     let (out, rows) = report(&study);
     assert!(out.contains("no trials yet"), "{out}");
     assert_eq!(rows.len(), 2);
@@ -305,8 +276,7 @@ fn names_folders_and_layouts_that_do_not_fit_are_refused() {
         &["numpad", "--count", "1", "--phrases", "digits"],
     );
     let refused = |ended: Ended, words: &str| {
-        assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
-        assert!(ended.err.contains(words), "{words}: {}", ended.err);
+        ended.exited(2).reported(words);
     };
     refused(
         add(&study, "../P01", &["--simulated"]),

@@ -37,11 +37,7 @@ fn a_model_is_built_alike_twice_and_replaced() {
         text(&model),
     ];
     let first = run(arguments).done();
-    assert!(
-        first.out.contains("3 words, 2 pairs of words"),
-        "{}",
-        first.out
-    );
+    first.printed("3 words, 2 pairs of words");
     let bytes = std::fs::read(&model).expect("a model");
     run(arguments).done();
     assert!(std::fs::read(&model).expect("a model") == bytes);
@@ -66,9 +62,9 @@ fn a_model_stays_if_there_is_no_room_for_another_one() {
     run(build(&words)).done();
     let bytes = std::fs::read(&model).expect("a model");
     let arguments = build(&many);
-    let ended = crate::lab::run_with_small_files(&arguments.each_ref().map(String::as_str));
-    assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
-    assert!(ended.err.contains("cannot write"), "{}", ended.err);
+    let ended =
+        crate::lab::run_with_small_files(&arguments.each_ref().map(String::as_str)).exited(2);
+    ended.reported("cannot write");
     assert!(std::fs::read(&model).expect("the old model") == bytes);
     let left = std::fs::read_dir(folder.path()).expect("a folder").count();
     assert_eq!(left, 3, "the two lists and the model");
@@ -78,26 +74,14 @@ fn a_model_stays_if_there_is_no_room_for_another_one() {
 fn files_that_are_no_model_and_lines_that_are_no_taps_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let foreign = file(&folder, "foreign.adm", "words");
-    let ended = decode(&foreign, "");
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("not a language model"), "{}", ended.err);
-    let unknown = decode("fr", "");
-    assert_eq!(unknown.code, Some(2));
-    let languages = "cannot read fr: there is no such file; the languages are `en` and `es`";
-    assert!(unknown.err.contains(languages), "{}", unknown.err);
+    let ended = decode(&foreign, "").exited(2);
+    ended.reported("not a language model");
+    let unknown = decode("fr", "").exited(2);
+    unknown.reported("cannot read fr: there is no such file; the languages are `en` and `es`");
     let absent = decode("absent.adm", "");
-    assert!(
-        absent.err.contains("cannot read absent.adm"),
-        "{}",
-        absent.err
-    );
-    let bad_tap = decode("en", "1 2\n1 2 3\n");
-    assert_eq!(bad_tap.code, Some(2));
-    assert!(
-        bad_tap.err.contains("line 2 is not a tap"),
-        "{}",
-        bad_tap.err
-    );
+    absent.reported("cannot read absent.adm");
+    let bad_tap = decode("en", "1 2\n1 2 3\n").exited(2);
+    bad_tap.reported("line 2 is not a tap");
 }
 
 #[test]
@@ -120,9 +104,8 @@ fn taps_on_the_keys_of_a_layout_give_candidates() {
 fn a_model_does_not_replace_the_words_that_it_is_built_from() {
     let folder = tempfile::tempdir().expect("a folder");
     let words = file(&folder, "w.txt", "hello\t5\n");
-    let ended = run(["text", "build", "--words", &words, "-o", &words]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("name another file"), "{}", ended.err);
+    let ended = run(["text", "build", "--words", &words, "-o", &words]).exited(2);
+    ended.reported("name another file");
     assert_eq!(std::fs::read_to_string(&words).unwrap(), "hello\t5\n");
 }
 
@@ -132,16 +115,13 @@ fn lines_of_a_list_that_are_no_words_are_counted_and_a_list_without_words_is_ref
     let model = folder.path().join("my.adm");
     let build = |list: &str| run(["text", "build", "--words", list, "-o", text(&model)]);
     let foreign = file(&folder, "foreign.txt", " word=de,f=225\n word=la,f=216\n");
-    let refused = build(&foreign);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    let reason = "foreign.txt is not a list of words";
-    assert!(refused.err.contains(reason), "{}", refused.err);
+    let refused = build(&foreign).exited(2);
+    refused.reported("foreign.txt is not a list of words");
     assert!(!model.exists());
     let mixed = file(&folder, "mixed.txt", "hello 5\ne-mail 3\n\nworld\n");
     let built = build(&mixed).done();
-    assert!(built.out.contains("2 words"), "{}", built.out);
-    let left_out = "left out 1 of 3 lines";
-    assert!(built.err.contains(left_out), "{}", built.err);
+    built.printed("2 words");
+    built.reported("left out 1 of 3 lines");
 }
 
 #[test]
@@ -164,27 +144,16 @@ fn a_model_in_the_arpa_format_is_mixed_in_and_its_wrong_lines_are_named() {
         ])
     };
     let built = build(&words, &arpa).done();
-    assert!(
-        built.out.contains("3 words, 1 pairs of words"),
-        "{}",
-        built.out
-    );
+    built.printed("3 words, 1 pairs of words");
 
     let broken = other.replace("-0.2 hello", "much hello");
-    let broken = build(&words, &file(&folder, "broken.arpa", &broken));
-    assert_eq!(broken.code, Some(2), "{}", broken.err);
+    let broken = build(&words, &file(&folder, "broken.arpa", &broken)).exited(2);
     let number = "broken.arpa: line 10: it does not start with a logarithm";
-    assert!(broken.err.contains(number), "{}", broken.err);
-    let heavy = build(&file(&folder, "heavy.txt", "hello 5\nworld 1,000\n"), &arpa);
-    assert_eq!(heavy.code, Some(2), "{}", heavy.err);
-    let weight = "heavy.txt: line 2: its weight is not a number";
-    assert!(heavy.err.contains(weight), "{}", heavy.err);
+    broken.reported(number);
+    let heavy = build(&file(&folder, "heavy.txt", "hello 5\nworld 1,000\n"), &arpa).exited(2);
+    heavy.reported("heavy.txt: line 2: its weight is not a number");
     let replaced = run([
         "text", "build", "--words", &words, "--arpa", &arpa, "-o", &arpa,
     ]);
-    assert!(
-        replaced.err.contains("name another file"),
-        "{}",
-        replaced.err
-    );
+    replaced.reported("name another file");
 }

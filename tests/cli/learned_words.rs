@@ -105,26 +105,16 @@ fn what_was_learned_is_shown_saved_and_forgotten() {
     assert!(!typing.file().contains("Nuria"));
 
     fs::write(&path, KNOWN).expect("a file");
-    let refused = typing.ctl("save-learned");
-    assert_eq!(refused.code, Some(1));
-    assert!(
-        refused.err.contains("another program has changed the file"),
-        "{}",
-        refused.err
-    );
+    let refused = typing.ctl("save-learned").exited(1);
+    refused.reported("another program has changed the file");
     assert_eq!(typing.file(), KNOWN);
 }
 
 #[test]
 fn nothing_is_saved_without_a_file_and_a_file_is_made_where_none_was() {
     let plain = Typing::start(folder(None), &[]);
-    let refused = plain.ctl("save-learned");
-    assert_eq!(refused.code, Some(1));
-    assert!(
-        refused.err.contains("start it with `--learned FILE`"),
-        "{}",
-        refused.err
-    );
+    let refused = plain.ctl("save-learned").exited(1);
+    refused.reported("start it with `--learned FILE`");
     drop(plain);
 
     let first = Typing::start(folder(None), &["--learned", "me.ron"]);
@@ -137,9 +127,8 @@ fn nothing_is_saved_without_a_file_and_a_file_is_made_where_none_was() {
 fn a_file_that_cannot_be_used_is_named_at_the_start() {
     let damaged = folder(Some("Learned(words: [\"Nuria\",\n  person: (taps: -1))"));
     let arguments = ["run", "--source", "typist:a", "--learned", "me.ron"];
-    let ended = typed(damaged.path(), &arguments);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("me.ron:2:"), "{}", ended.err);
+    let ended = typed(damaged.path(), &arguments).exited(2);
+    ended.reported("me.ron:2:");
     assert!(!ended.err.contains("Nuria"), "{}", ended.err);
     assert_eq!(ended.out, "");
 }

@@ -16,16 +16,12 @@ const RUN: &str = "run --source typist:hi";
 #[test]
 fn a_quiet_run_prints_errors_only() {
     let loud = super::run(RUN.split(' ')).done();
-    assert!(loud.err.contains("readings:"), "{}", loud.err);
+    loud.reported("readings:");
     let quiet = super::run(format!("{RUN} --quiet").split(' ')).done();
     assert_eq!(quiet.err, "");
     assert_eq!(quiet.out.lines().count(), loud.out.lines().count());
     let failed = super::run(["-q", "layout", "check", "nowhere.ron"]);
-    assert!(
-        failed.err.contains("there is no such file"),
-        "{}",
-        failed.err
-    );
+    failed.reported("there is no such file");
 }
 
 #[test]
@@ -49,13 +45,8 @@ fn a_log_has_all_messages_with_their_time_and_is_private() {
         assert_eq!(mode & 0o777, 0o600);
         let link = folder.path().join("link.log");
         symlink(&path, &link).unwrap();
-        let ended = super::run(format!("{RUN} --log {}", text(&link)).split(' '));
-        assert_eq!(ended.code, Some(2));
-        assert!(
-            ended.err.contains("this is a symbolic link"),
-            "{}",
-            ended.err
-        );
+        let ended = super::run(format!("{RUN} --log {}", text(&link)).split(' ')).exited(2);
+        ended.reported("this is a symbolic link");
     }
 }
 
@@ -66,11 +57,7 @@ fn a_log_is_a_regular_file() {
         return;
     }
     let ended = super::run(format!("{RUN} --log /dev/full").split(' '));
-    assert!(
-        ended.err.contains("not a regular file but a device"),
-        "{}",
-        ended.err
-    );
+    ended.reported("not a regular file but a device");
 }
 
 #[test]
@@ -92,9 +79,5 @@ fn rust_log_is_honoured_and_an_invalid_one_is_reported() {
     assert!(!reported("warn", "") && !reported("ademan_runtime::files=off,info", ""));
     assert!(reported("warn", "-v "), "a flag precedes the variable");
     let ended = run_with("ademan=loud", "layouts").done();
-    assert!(
-        ended.err.contains("RUST_LOG has no effect"),
-        "{}",
-        ended.err
-    );
+    ended.reported("RUST_LOG has no effect");
 }

@@ -124,8 +124,31 @@ struct Ended {
 
 impl Ended {
     /// Asserts that the program succeeded.
+    #[track_caller]
     fn done(self) -> Self {
-        assert_eq!(self.code, Some(0), "{}{}", self.out, self.err);
+        self.exited(0)
+    }
+
+    /// Asserts that the program exited with this code.
+    #[track_caller]
+    fn exited(self, code: i32) -> Self {
+        assert_eq!(self.code, Some(code), "{}{}", self.out, self.err);
+        self
+    }
+
+    /// Asserts that the standard output contains this text.
+    #[track_caller]
+    fn printed(&self, part: &str) -> &Self {
+        let is_there = self.out.contains(part);
+        assert!(is_there, "no {part:?}: {}{}", self.out, self.err);
+        self
+    }
+
+    /// Asserts that the standard error contains this text.
+    #[track_caller]
+    fn reported(&self, part: &str) -> &Self {
+        let is_there = self.err.contains(part);
+        assert!(is_there, "no {part:?}: {}{}", self.out, self.err);
         self
     }
 }

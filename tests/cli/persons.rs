@@ -16,11 +16,7 @@ fn a_new_person_is_shown_with_bones_and_reach() {
     let path = folder.path().join("me");
     let path = text(&path);
     let created = run(["person", "new", path, "--hand", "left", "--length", "172"]).done();
-    assert!(
-        created.out.contains("ademan demo --person"),
-        "{}",
-        created.out
-    );
+    created.printed("ademan demo --person");
     let shown = run(["person", "show", &format!("{path}.ron")]).done().out;
     for part in [
         "me\n",
@@ -31,8 +27,7 @@ fn a_new_person_is_shown_with_bones_and_reach() {
     ] {
         assert!(shown.contains(part), "{part}: {shown}");
     }
-    let again = run(["person", "new", path]);
-    assert_eq!(again.code, Some(2), "{}", again.err);
+    run(["person", "new", path]).exited(2);
 }
 
 #[test]
@@ -87,7 +82,7 @@ fn a_left_handed_person_checks_and_plays_a_mirrored_layout() {
     let checked = run(["layout", "check", &board, "--person", "left-small"]).done();
     assert_eq!(checked.err, "");
     let right = run(["layout", "check", "qwerty-flat", "--person", "left-small"]).done();
-    assert!(right.err.contains("--mirror"), "{}", right.err);
+    right.reported("--mirror");
     let arguments = [
         "demo",
         "--fast",
@@ -108,13 +103,9 @@ fn a_left_handed_person_checks_and_plays_a_mirrored_layout() {
         "left-small",
         "--hand",
         "right",
-    ]);
-    assert_eq!(contradiction.code, Some(2), "{}", contradiction.err);
-    assert!(
-        contradiction.err.contains("leave out --hand"),
-        "{}",
-        contradiction.err
-    );
+    ])
+    .exited(2);
+    contradiction.reported("leave out --hand");
 }
 
 #[test]
@@ -124,11 +115,7 @@ fn an_explicit_arm_of_a_setup_wins_and_says_so() {
     let explicit = "Setup(person: \"me.ron\", arm: Model(\"unam\"))";
     let explicit = file(&folder, "explicit.ron", explicit);
     let checked = run(["layout", "check", "qwerty-flat", "--setup", &explicit]).done();
-    assert!(
-        checked.err.contains("not the lengths of the person"),
-        "{}",
-        checked.err
-    );
+    checked.reported("not the lengths of the person");
     let own = file(&folder, "own.ron", "Setup(person: \"me.ron\")");
     let own_checked = run(["layout", "check", "qwerty-flat", "--setup", &own]).done();
     assert_eq!(own_checked.err, "");
@@ -158,16 +145,11 @@ fn the_demo_takes_a_setup_and_a_glove_and_simulates_another_person() {
     );
     let wild = run(common
         .into_iter()
-        .chain(["--person", &person, "--seed", "3"]));
-    assert_eq!(wild.code, Some(1), "{}{}", wild.out, wild.err);
-    assert!(
-        wild.err.contains("differs from the given one"),
-        "{}",
-        wild.err
-    );
-    let glove = run(["demo", "--fast", "--glove", "lucidgloves"]);
-    assert_eq!(glove.code, Some(2), "{}", glove.err);
-    assert!(glove.err.contains("protocol=lucidgloves"), "{}", glove.err);
+        .chain(["--person", &person, "--seed", "3"]))
+    .exited(1);
+    wild.reported("differs from the given one");
+    let glove = run(["demo", "--fast", "--glove", "lucidgloves"]).exited(2);
+    glove.reported("protocol=lucidgloves");
 }
 
 #[test]
@@ -201,9 +183,8 @@ fn only_files_of_the_kind_that_is_missing_are_suggested() {
         ("--glove", "numpda"),
         ("--layout", "unam-hc11-lfet"),
     ] {
-        let ended = run(["demo", option, name, "--fast"]);
-        assert_eq!(ended.code, Some(2), "{}", ended.err);
-        assert!(ended.err.contains("there is no such file"), "{}", ended.err);
+        let ended = run(["demo", option, name, "--fast"]).exited(2);
+        ended.reported("there is no such file");
         assert!(!ended.err.contains("did you mean"), "{}", ended.err);
     }
     for (option, name, nearest) in [
@@ -212,8 +193,7 @@ fn only_files_of_the_kind_that_is_missing_are_suggested() {
         ("--layout", "numpda", "numpad"),
     ] {
         let ended = run(["demo", option, name, "--fast"]);
-        let suggestion = format!("did you mean `{nearest}`?");
-        assert!(ended.err.contains(&suggestion), "{}", ended.err);
+        ended.reported(&format!("did you mean `{nearest}`?"));
     }
     let ended = run(["run", "numpda.ron"]);
     assert!(!ended.err.contains("did you mean"), "{}", ended.err);
@@ -232,11 +212,6 @@ fn a_trace_of_a_recording_has_the_person_that_is_named() {
     let smaller = trace(&["--person", &small]).done().out;
     assert_eq!(poses.lines().count(), smaller.lines().count());
     assert!(poses != smaller, "the hand has its recorded size");
-    let missing = trace(&["--person", "nosuch"]);
-    assert_eq!(missing.code, Some(2), "{}", missing.err);
-    assert!(
-        missing.err.contains("nosuch: there is no such file"),
-        "{}",
-        missing.err
-    );
+    let missing = trace(&["--person", "nosuch"]).exited(2);
+    missing.reported("nosuch: there is no such file");
 }

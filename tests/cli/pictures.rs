@@ -16,13 +16,8 @@ fn two_files_of_one_name_are_refused_before_one_is_written() {
         .join(folder.path().file_name().unwrap());
     for other in [&path, &same.join("z.out")] {
         let both = ["--svg", text(&path), "--json", text(other), "--overwrite"];
-        let refused = run([&["layout", "show", "game"], &both[..]].concat());
-        assert_eq!(refused.code, Some(2), "{}", refused.err);
-        assert!(
-            refused.err.contains("is named for two files"),
-            "{}",
-            refused.err
-        );
+        let refused = run([&["layout", "show", "game"], &both[..]].concat()).exited(2);
+        refused.reported("is named for two files");
         assert!(!path.exists());
     }
 }
@@ -63,9 +58,8 @@ fn a_file_is_overwritten_on_request_only() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.svg");
     fs::write(&path, "mine").unwrap();
-    let refused = run(["layout", "show", "arrows", "--svg", text(&path)]);
-    assert_eq!(refused.code, Some(2));
-    assert!(refused.err.contains("add --overwrite"), "{}", refused.err);
+    let refused = run(["layout", "show", "arrows", "--svg", text(&path)]).exited(2);
+    refused.reported("add --overwrite");
     assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
     run([
         "layout",
@@ -79,11 +73,7 @@ fn a_file_is_overwritten_on_request_only() {
     assert!(fs::read_to_string(&path).unwrap().starts_with("<svg"));
     let target = text(folder.path());
     let folder_refused = run(["layout", "show", "arrows", "--html", target, "--overwrite"]);
-    assert!(
-        folder_refused.err.contains("it is a folder"),
-        "{}",
-        folder_refused.err
-    );
+    folder_refused.reported("it is a folder");
 }
 
 #[test]
@@ -95,13 +85,8 @@ fn a_picture_replaces_no_file_that_it_is_drawn_from() {
     let setup = super::file(&folder, "setup.ron", "Setup(person: \"me.ron\")");
     for path in [&layout, &setup, &person] {
         let show = ["layout", "show", &layout, "--setup", &setup];
-        let refused = run([&show[..], &["--svg", path, "--overwrite"]].concat());
-        assert_eq!(refused.code, Some(2), "{}", refused.err);
-        assert!(
-            refused.err.contains("is read by this command"),
-            "{}",
-            refused.err
-        );
+        let refused = run([&show[..], &["--svg", path, "--overwrite"]].concat()).exited(2);
+        refused.reported("is read by this command");
     }
     assert_eq!(fs::read_to_string(&layout).unwrap(), original);
 }
@@ -112,13 +97,8 @@ fn no_part_of_a_picture_is_left_on_a_full_disk() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("board.svg");
     let show = ["layout", "show", "qwerty-flat", "--svg", text(&path)];
-    let full = super::lab::run_with_small_files(&show);
-    assert_eq!(full.code, Some(2), "{}", full.err);
-    assert!(
-        full.err.contains("board.svg: File too large"),
-        "{}",
-        full.err
-    );
+    let full = super::lab::run_with_small_files(&show).exited(2);
+    full.reported("board.svg: File too large");
     assert!(!path.exists(), "a part of the picture is left");
 }
 

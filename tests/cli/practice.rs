@@ -135,13 +135,8 @@ fn a_phone_pad_is_practiced_with_a_decoder_that_finds_the_letters() {
     let text = "hello world";
     for layout in ["phone-words", "phone-pad"] {
         let arguments = ["--layout", layout, "--text", text];
-        let refused = run(state.path(), &arguments);
-        assert_eq!(refused.code, Some(2), "{}", refused.err);
-        assert!(
-            refused.err.contains("add `--decoder auto`"),
-            "{}",
-            refused.err
-        );
+        let refused = run(state.path(), &arguments).exited(2);
+        refused.reported("add `--decoder auto`");
         let result = json(
             state.path(),
             &[&arguments[..], &["--decoder", "auto"]].concat(),
@@ -151,11 +146,7 @@ fn a_phone_pad_is_practiced_with_a_decoder_that_finds_the_letters() {
         assert!(worst.is_empty(), "{result}");
         let digit = ["--layout", layout, "--decoder", "auto", "--text", "2"];
         let refused_digit = run(state.path(), &digit);
-        assert!(
-            refused_digit.err.contains("cannot type"),
-            "{}",
-            refused_digit.err
-        );
+        refused_digit.reported("cannot type");
     }
 }
 
@@ -199,12 +190,7 @@ fn a_pointing_lesson_is_measured_and_kept_with_its_figures() {
         &["--lesson", "pointing", "--noise", "6", "--seed", "4"],
     );
     println!("{}", ended.out);
-    assert!(
-        ended.out.contains("throughput "),
-        "{}{}",
-        ended.out,
-        ended.err
-    );
+    ended.printed("throughput ");
     let csv = run(state.path(), &["--csv", "-"]).done().out;
     let rows: Vec<&str> = csv.lines().collect();
     let columns = ",targets,misses,movement_s,path_efficiency,throughput_bits_per_s,axis_deviation_px,target_reentries,chords";
@@ -227,8 +213,7 @@ fn a_pointing_lesson_needs_a_pointer_that_the_hand_can_move() {
         ),
         ("rate", "the simulated hand cannot point on"),
     ] {
-        let ended = run(state.path(), &["--lesson", "pointing", "--layout", layout]);
-        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        let ended = run(state.path(), &["--lesson", "pointing", "--layout", layout]).exited(2);
         assert!(ended.err.contains(reason), "{reason}: {}", ended.err);
     }
     assert!(!history_file(&state).exists());
@@ -273,8 +258,7 @@ fn a_text_that_cannot_be_typed_is_refused() {
         (&["--file", "/nowhere/lesson"], "cannot read the text"),
         (&["--file", "/"], "this is a directory"),
     ] {
-        let ended = run(state.path(), arguments);
-        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        let ended = run(state.path(), arguments).exited(2);
         assert!(ended.err.contains(reason), "{reason}: {}", ended.err);
     }
     assert!(!history_file(&state).exists());
@@ -284,8 +268,8 @@ fn a_text_that_cannot_be_typed_is_refused() {
 fn a_text_with_accents_is_practiced_with_plain_letters() {
     let state = tempfile::tempdir().unwrap();
     let ended = run(state.path(), &["--text", "¿ñandú?"]).done();
-    assert!(ended.out.contains("text       nandu?\n"), "{}", ended.out);
-    assert!(ended.err.contains("plain ones"), "{}", ended.err);
+    ended.printed("text       nandu?\n");
+    ended.reported("plain ones");
 }
 
 #[test]
@@ -293,7 +277,7 @@ fn a_byte_order_mark_is_no_part_of_a_file_and_a_cut_is_said() {
     let state = tempfile::tempdir().unwrap();
     let marked = file(&state, "marked.txt", "\u{feff}hola\n");
     let ended = run(state.path(), &["--file", &marked]).done();
-    assert!(ended.out.contains("text       hola\n"), "{}", ended.out);
+    ended.printed("text       hola\n");
     let long = "日".repeat(1001);
     for (typed, is_cut) in [(&long[..], true), (&long[..3000], false)] {
         let refused = run(state.path(), &["--text", typed]);
@@ -311,9 +295,9 @@ fn a_damaged_history_is_reported_and_nothing_of_it_is_lost() {
     let damaged = [b"{\"time\":\xff\n", &valid[..]].concat();
     fs::write(&path, &damaged).unwrap();
     let ended = run(state.path(), &["--text", "a b"]).done();
-    assert!(ended.err.contains("line 1 is damaged"), "{}", ended.err);
+    ended.reported("line 1 is damaged");
     let kept = path.with_extension("damaged.1.jsonl");
-    assert!(ended.err.contains("is kept as "), "{}", ended.err);
+    ended.reported("is kept as ");
     assert_eq!(fs::read(kept).unwrap(), damaged);
     let sessions = lines(&path);
     assert_eq!(sessions.len(), 2);
@@ -329,11 +313,10 @@ fn a_state_folder_that_cannot_be_written_is_reported_and_the_end_is_normal() {
     let folder = tempfile::tempdir().unwrap();
     let state = file(&folder, "state", "a file");
     let ended = run(Path::new(&state), &["--text", "hola"]).done();
-    assert!(ended.out.contains("typed      hola\n"), "{}", ended.out);
+    ended.printed("typed      hola\n");
     assert!(!ended.out.contains("progress"), "{}", ended.out);
-    let message = "cannot keep the result in ";
-    assert!(ended.err.contains(message), "{}", ended.err);
-    assert!(ended.err.contains("XDG_STATE_HOME"), "{}", ended.err);
+    ended.reported("cannot keep the result in ");
+    ended.reported("XDG_STATE_HOME");
     assert_eq!(fs::read_to_string(state).unwrap(), "a file");
 }
 
@@ -341,13 +324,13 @@ fn a_state_folder_that_cannot_be_written_is_reported_and_the_end_is_normal() {
 fn results_are_exported_as_csv_and_printed() {
     let state = tempfile::tempdir().unwrap();
     let none = run(state.path(), &["--history"]).done();
-    assert!(none.out.contains("no results yet"), "{}", none.out);
+    none.printed("no results yet");
     for text in ["hola", "mundo"] {
         run(state.path(), &["--text", text]).done();
     }
     let csv = state.path().join("progress.csv");
     let ended = run(state.path(), &["--csv", text(&csv)]).done();
-    assert!(ended.out.contains("wrote 2 sessions"), "{}", ended.out);
+    ended.printed("wrote 2 sessions");
     let rows = lines(&csv);
     assert_eq!(rows.len(), 3);
     let columns: Vec<&str> = rows[0].split(',').collect();
@@ -364,9 +347,8 @@ fn results_are_exported_as_csv_and_printed() {
     assert_eq!(column(&rows[2], "characters"), "5");
     assert_eq!(column(&rows[2], "layout"), "QWERTY 19 mm");
     assert_eq!(column(&rows[2], "simulated"), "true");
-    let again = run(state.path(), &["--csv", text(&csv)]);
-    assert_eq!(again.code, Some(2));
-    assert!(again.err.contains("the file exists"), "{}", again.err);
+    let again = run(state.path(), &["--csv", text(&csv)]).exited(2);
+    again.reported("the file exists");
     assert_eq!(lines(&csv), rows);
     let printed = run(state.path(), &["--csv", "-"]).done().out;
     assert_eq!(printed.lines().collect::<Vec<_>>(), rows);

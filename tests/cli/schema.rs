@@ -77,13 +77,8 @@ fn every_shipped_file_is_valid_and_each_change_of_it_is_reported() {
 fn the_json_form_of_a_file_is_refused_with_the_place_of_a_missing_bracket() {
     let folder = tempfile::tempdir().unwrap();
     let file = super::file(&folder, "open.ron", "Layout(name: \"a\", boards: [(");
-    let ended = run(["schema", "layout", &file]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(
-        ended.err.contains("brackets are not balanced"),
-        "{}",
-        ended.err
-    );
+    let ended = run(["schema", "layout", &file]).exited(2);
+    ended.reported("brackets are not balanced");
 }
 
 #[test]
@@ -146,8 +141,6 @@ fn the_schema_of_what_was_learned_has_the_units_and_ranges_of_its_fields() {
 
 #[test]
 fn a_file_of_what_was_learned_is_no_layout_and_the_error_names_it() {
-    let ended = run(["layout", "check", "tests/support/learned.ron"]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    let message = "expected `Layout(…)`, found `Learned`";
-    assert!(ended.err.contains(message), "{}", ended.err);
+    let ended = run(["layout", "check", "tests/support/learned.ron"]).exited(2);
+    ended.reported("expected `Layout(…)`, found `Learned`");
 }

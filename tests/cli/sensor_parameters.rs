@@ -228,9 +228,8 @@ fn a_typical_hysteresis_is_a_part_of_the_ranges_of_the_fingers() {
         ("4", "a percentage ends with `%`, such as 4%"),
         ("4,5", "a percentage ends with `%`, such as 4%"),
     ] {
-        let failed = run(glove.iter().chain(&[value]).chain(&out));
-        assert_eq!(failed.code, Some(2));
-        assert!(failed.err.contains(message), "{}", failed.err);
+        let failed = run(glove.iter().chain(&[value]).chain(&out)).exited(2);
+        failed.reported(message);
     }
 }
 
@@ -249,8 +248,6 @@ fn a_percentage_lists_the_sensors_without_a_range_in_one_line() {
     let expected = "channels 5, 6, 7, 8, 9: no `range_counts`; the calibration got no counts of them, or found a fault";
     assert_eq!(without, [expected]);
     // The glove file exists and there is no terminal to ask in, but the missing recording comes first.
-    let missing = run(glove.iter().chain(&["none.mcap"]));
-    assert_eq!(missing.code, Some(2));
-    let reason = "cannot open recording:none.mcap: No such file";
-    assert!(missing.err.contains(reason), "{}", missing.err);
+    let missing = run(glove.iter().chain(&["none.mcap"])).exited(2);
+    missing.reported("cannot open recording:none.mcap: No such file");
 }

@@ -115,9 +115,8 @@ fn the_glove_with_an_arm_gets_a_keyboard_and_nothing_is_replaced_unasked() {
     assert_eq!(setup.layout, "qwerty-flat");
     assert_eq!(setup.glove, None, "the protocol's glove");
     let before = fs::read(&path).expect("a file");
-    let again = run(&folder, &arguments);
-    assert_eq!(again.code, Some(2), "{}", again.err);
-    assert!(again.err.contains("mine.ron exists"), "{}", again.err);
+    let again = run(&folder, &arguments).exited(2);
+    again.reported("mine.ron exists");
     assert_eq!(fs::read(&path).expect("a file"), before);
     let left = [&arguments[..], &["--hand", "left", "--force"]].concat();
     run(&folder, &left).done();
@@ -150,13 +149,8 @@ fn the_hand_of_a_source_or_a_glove_that_is_named_stays() {
     let glove = load(&folder.path().join("worn.ron")).glove;
     assert_eq!(glove.as_deref(), Some("lucidgloves-left"));
     let wrong = [&worn[..], &["--out", "wrong.ron", "--hand", "right"]].concat();
-    let refused = run(&folder, &wrong);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    assert!(
-        refused.err.contains("is for the left hand"),
-        "{}",
-        refused.err
-    );
+    let refused = run(&folder, &wrong).exited(2);
+    refused.reported("is for the left hand");
     assert_eq!(names(folder.path()), ["left.ron", "worn.ron"]);
 }
 
@@ -248,13 +242,8 @@ fn the_question_whether_to_replace_a_setup_is_a_no_by_default() {
 fn without_a_device_the_simulated_hand_types() {
     let folder = tempfile::tempdir().expect("a folder");
     let ended = run(&folder, &["--simulated", "--layout", "numpad"]).done();
-    assert!(
-        ended.out.contains("typed      3.14159*2-0.5"),
-        "{}",
-        ended.out
-    );
-    let next = "practice:  ademan practice --layout numpad\n";
-    assert!(ended.out.contains(next), "{}", ended.out);
+    ended.printed("typed      3.14159*2-0.5");
+    ended.printed("practice:  ademan practice --layout numpad\n");
     assert!(!ended.out.contains("left"), "{}", ended.out);
     assert!(
         !folder.path().join("config").exists(),
@@ -264,18 +253,9 @@ fn without_a_device_the_simulated_hand_types() {
     let left = run(&folder, &arguments).done().out;
     assert!(left.contains("a right hand is simulated here"), "{left}");
     assert!(left.contains("--glove unam-hc11-left"), "{left}");
-    let absent = run(&folder, &["--port", "/dev/ttyNOWHERE"]);
-    assert_eq!(absent.code, Some(2));
-    assert!(
-        absent.out.contains("cannot listen: there is no such port"),
-        "{}",
-        absent.out
-    );
-    assert!(
-        absent.err.contains("no device was recognized"),
-        "{}",
-        absent.err
-    );
+    let absent = run(&folder, &["--port", "/dev/ttyNOWHERE"]).exited(2);
+    absent.printed("cannot listen: there is no such port");
+    absent.reported("no device was recognized");
 }
 
 #[test]
@@ -288,8 +268,7 @@ fn a_full_or_closed_standard_output_ends_it_without_a_panic() {
     for (stdout, code) in [(Stdio::from(closed), 0), (Stdio::from(full), 1)] {
         let mut command = start(&folder, &["--simulated", "--no-practice"]);
         let output = command.stdout(stdout).output();
-        let ended = Ended::from(output.expect("the program starts"));
-        assert_eq!(ended.code, Some(code), "{}", ended.err);
+        let ended = Ended::from(output.expect("the program starts")).exited(code);
         assert!(!ended.err.contains("panicked"), "{}", ended.err);
     }
 }

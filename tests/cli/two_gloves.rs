@@ -106,10 +106,8 @@ fn two_gloves_with_the_same_channels_on_one_source_are_refused() {
         .args(setup)
         .current_dir(folder.path())
         .output();
-    let ended = crate::Ended::from(ended.expect("it starts"));
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    let reason = "`other_hand` has no `source`, and both gloves have channel 4 of the first one";
-    assert!(ended.err.contains(reason), "{}", ended.err);
+    let ended = crate::Ended::from(ended.expect("it starts")).exited(2);
+    ended.reported("`other_hand` has no `source`, and both gloves have channel 4 of the first one");
     assert_eq!(ended.out, "");
 }
 

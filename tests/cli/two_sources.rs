@@ -174,35 +174,16 @@ fn the_delay_of_the_arm_is_measured_and_the_option_for_it_is_given() {
     let (fingers, arm) = (uri("fingers.txt", lines), uri("arm.txt", arm));
     let measured = run(["delay", "--source", &fingers, "--arm-source", &arm]).done();
     let late = "arm.txt?protocol=text-line&rate_hz=174.5";
-    assert!(
-        measured.out.contains(&format!("{late} is 11")),
-        "{}",
-        measured.out
-    );
-    assert!(
-        measured.out.contains("add `delay_ms=11"),
-        "{}",
-        measured.out
-    );
+    measured.printed(&format!("{late} is 11"));
+    measured.printed("add `delay_ms=11");
 
     let swapped = run(["delay", "--source", &arm, "--arm-source", &fingers]).done();
-    assert!(
-        swapped.out.contains(&format!("{late} is 11")),
-        "{}",
-        swapped.out
-    );
+    swapped.printed(&format!("{late} is 11"));
 
     let empty = uri("empty.txt", vec!["no angles\n".to_owned()]);
-    let unseen = run(["delay", "--source", &fingers, "--arm-source", &empty]);
-    assert_eq!(unseen.code, Some(1));
-    let reason = "empty.txt?protocol=text-line&rate_hz=174.5 has shown no hand";
-    assert!(unseen.err.contains(reason), "{}", unseen.err);
+    let unseen = run(["delay", "--source", &fingers, "--arm-source", &empty]).exited(1);
+    unseen.reported("empty.txt?protocol=text-line&rate_hz=174.5 has shown no hand");
 
-    let one = run(["delay", "--source", &fingers]);
-    assert_eq!(one.code, Some(2));
-    assert!(
-        one.err.contains("name them with --source and --arm-source"),
-        "{}",
-        one.err
-    );
+    let one = run(["delay", "--source", &fingers]).exited(2);
+    one.reported("name them with --source and --arm-source");
 }

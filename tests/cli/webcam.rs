@@ -71,13 +71,8 @@ fn without_a_model_the_message_says_where_it_comes_from_before_python_starts() {
             assert!(ended.err.contains(part), "{arguments:?}: {}", ended.err);
         }
     }
-    let missing = run_in(folder.path(), &["webcam", "--results", "no.json"]);
-    assert_eq!(missing.code, Some(2), "{}", missing.err);
-    assert!(
-        missing.err.contains("there is no file no.json"),
-        "{}",
-        missing.err
-    );
+    let missing = run_in(folder.path(), &["webcam", "--results", "no.json"]).exited(2);
+    missing.reported("there is no file no.json");
 }
 
 #[test]
@@ -185,9 +180,9 @@ fn recorded_hands_go_through_the_bridge_into_a_session() {
         text(&recording),
     ];
     let session = run(arguments);
-    assert!(session.err.contains("6 readings"), "{}", session.err);
+    session.reported("6 readings");
     let replayed = run(["replay", text(&recording)]).done();
-    assert!(replayed.err.contains("6 readings"), "{}", replayed.err);
+    replayed.reported("6 readings");
 }
 
 #[test]

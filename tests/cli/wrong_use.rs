@@ -76,10 +76,8 @@ fn arguments_of_a_wrong_kind_are_named_and_what_exists_is_listed() {
         &["unknown language `fr`; the languages are `en` and `es`"],
     );
     for script in ["", " "] {
-        let ended = run(["demo", "--script", script]);
-        let message = "the script is empty; name a file, or write an action such as `tap NAME`";
-        assert!(ended.err.contains(message), "{}", ended.err);
-        assert_eq!(ended.code, Some(2));
+        let ended = run(["demo", "--script", script]).exited(2);
+        ended.reported("the script is empty; name a file, or write an action such as `tap NAME`");
     }
 }
 
@@ -125,9 +123,8 @@ fn the_fields_of_layouts_are_found_by_structure_and_by_name() {
     let tables: Vec<serde_json::Value> = serde_json::from_str(&json).expect("JSON");
     assert_eq!(tables.len(), 1);
     assert_eq!(tables[0]["name"], "Knob");
-    let refused = run(["layout", "fields", "slidr"]);
-    assert_eq!(refused.code, Some(2));
-    assert!(refused.err.contains("did you mean"), "{}", refused.err);
+    let refused = run(["layout", "fields", "slidr"]).exited(2);
+    refused.reported("did you mean");
 }
 
 #[test]
@@ -136,7 +133,7 @@ fn a_program_built_for_x11_refuses_a_wayland_session() {
     // There might be an X server beside the compositor.
     run.env("WAYLAND_DISPLAY", "/nowhere/wayland-0")
         .env("DISPLAY", ":0");
-    let ended = Ended::from(run.output().expect("it starts"));
+    let ended = Ended::from(run.output().expect("it starts")).exited(2);
     let words = if !ademan::output::SUPPORTS_WAYLAND {
         "was built for X11, whose keys do not reach Wayland programs; build it with \
               `--features wayland`, or use the output `uinput`; to type only in X11 programs, unset \
@@ -144,8 +141,7 @@ fn a_program_built_for_x11_refuses_a_wayland_session() {
     } else {
         "no compositor answers at /nowhere/wayland-0"
     };
-    assert!(ended.err.contains(words), "{}", ended.err);
-    assert_eq!(ended.code, Some(2));
+    ended.reported(words);
 }
 
 #[test]
@@ -366,7 +362,7 @@ fn files_other_than_recordings_are_refused() {
     );
     for command in ["record --source typist:a", "run --source typist:a --record"] {
         let ended = run(command.split(' ').chain([empty.as_str()]));
-        assert!(ended.err.contains("the file exists"), "{}", ended.err);
+        ended.reported("the file exists");
         assert!(!ended.err.contains("recording to"), "{}", ended.err);
     }
     let text = file(&folder, "text.mcap", "this is a letter, not a recording");
@@ -389,22 +385,13 @@ fn a_check_counts_what_a_layout_without_keys_has() {
 fn all_layouts_are_checked_even_after_an_invalid_one() {
     let folder = tempfile::tempdir().unwrap();
     let wrong = file(&folder, "wrong.ron", "Layout(\n    nmae: \"x\",\n)");
-    let ended = run(["layout", "check", &wrong, "numpad", "nope", "arrows"]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let ended = run(["layout", "check", &wrong, "numpad", "nope", "arrows"]).exited(2);
     assert_eq!(
         ended.out,
         "numpad: valid, 17 keys, 1 layer\narrows: valid, 4 keys, 1 layer\n"
     );
-    assert!(
-        ended.err.contains("wrong.ron:2:5: unknown field `nmae`"),
-        "{}",
-        ended.err
-    );
-    assert!(
-        ended.err.contains("nope: there is no such file"),
-        "{}",
-        ended.err
-    );
+    ended.reported("wrong.ron:2:5: unknown field `nmae`");
+    ended.reported("nope: there is no such file");
     assert!(
         ended.err.ends_with("error: 2 of 4 files cannot be used\n"),
         "{}",
@@ -414,13 +401,8 @@ fn all_layouts_are_checked_even_after_an_invalid_one() {
 
 #[test]
 fn the_program_without_arguments_prints_its_help() {
-    let ended: super::Ended = ademan([""; 0]).output().unwrap().into();
-    assert_eq!(ended.code, Some(2));
-    assert!(
-        ended.err.contains("Start with `ademan demo`"),
-        "{}",
-        ended.err
-    );
+    let ended = Ended::from(ademan([""; 0]).output().unwrap()).exited(2);
+    ended.reported("Start with `ademan demo`");
 }
 
 #[test]
@@ -430,12 +412,11 @@ fn a_field_with_an_error_in_it_is_not_said_to_be_missing() {
                    clicks: [(gesture: Pinch(\"pinky\"), action: Key(\"MouseLeft\"))]\n)";
     let layout = format!("Layout(name: \"two\", boards: [],\n{pointer}\n)");
     let layout = file(&folder, "two.ron", layout);
-    let ended = run(["layout", "check", &layout]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let ended = run(["layout", "check", &layout]).exited(2);
     let first = "5:19: expected 3 values in parentheses, found 2";
     let second = "7:27: unknown finger `pinky`";
     for fault in [first, second] {
-        assert!(ended.err.contains(fault), "{}", ended.err);
+        ended.reported(fault);
     }
     assert!(!ended.err.contains("is missing"), "{}", ended.err);
 }

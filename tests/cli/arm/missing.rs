@@ -66,13 +66,8 @@ fn missing_landmarks_cost_only_the_attributes_that_need_them() {
         }
     }
     let back = file(&folder, "attributes.jsonl", &printed.out);
-    let refused = run(["arm", "landmarks", &back]);
-    assert_eq!(refused.code, Some(2));
-    assert!(
-        refused.err.contains("of the left arm is null"),
-        "{}",
-        refused.err
-    );
+    let refused = run(["arm", "landmarks", &back]).exited(2);
+    refused.reported("of the left arm is null");
 }
 
 #[test]

@@ -165,9 +165,8 @@ fn a_movement_joins_its_postures_and_no_bone_shrinks_on_the_way() {
     {
         let large = folder.path().join("large.jsonl");
         let too_large = ["arm", "between", &start, &end, "--output", text(&large)];
-        let full = super::lab::run_with_small_files(&too_large);
-        assert_eq!(full.code, Some(1), "{}", full.err);
-        assert!(full.err.contains("large.jsonl"), "{}", full.err);
+        let full = super::lab::run_with_small_files(&too_large).exited(1);
+        full.reported("large.jsonl");
         assert!(!large.exists(), "a part of the movement is left");
     }
 }
@@ -224,7 +223,7 @@ fn a_file_without_poses_is_refused_with_its_line() {
         let path = file(&folder, "bad.txt", &content);
         let ended = run(["arm", "attributes", &path]);
         assert_eq!(ended.code, Some(2), "{content}");
-        assert!(ended.err.contains(expected), "{}", ended.err);
+        ended.reported(expected);
         std::fs::remove_file(&path).unwrap();
     }
 }
@@ -282,7 +281,7 @@ fn results_of_mediapipe_for_javascript_are_read_in_world_coordinates() {
     let expected = run(["arm", "attributes", &plain]).done();
     let printed = run(["arm", "attributes", &lines_of]).done();
     assert_eq!(printed.out, expected.out);
-    assert!(printed.err.contains("1 of 2 lines"), "{}", printed.err);
+    printed.reported("1 of 2 lines");
 }
 
 /// Returns a line of landmarks of a person whose left wrist is at `wrist`, and whose left hand is hidden.
@@ -315,25 +314,18 @@ fn lines_that_show_nobody_are_counted_and_a_movement_names_the_landmark_that_it_
     let poses = file(&folder, "poses.jsonl", text);
     let printed = run(["arm", "attributes", &poses]).done();
     assert_eq!(printed.out.lines().count(), 1);
-    let expected = "2 of 3 lines of";
-    assert!(printed.err.contains(expected), "{}", printed.err);
+    printed.reported("2 of 3 lines of");
 
-    let refused = run(["arm", "between", &poses, &poses]);
-    assert_eq!(refused.code, Some(2));
-    assert!(
-        refused.err.contains("lacks the landmark `left-little`"),
-        "{}",
-        refused.err
-    );
+    let refused = run(["arm", "between", &poses, &poses]).exited(2);
+    refused.reported("lacks the landmark `left-little`");
 
     let fraction = file(
         &folder,
         "fraction.jsonl",
         format!("{{\"time_us\":1.5,\"pose_landmarks\":{pose}}}"),
     );
-    let timed = run(["arm", "attributes", &fraction]);
-    assert_eq!(timed.code, Some(2));
-    assert!(timed.err.contains("`time_us` is 1.5"), "{}", timed.err);
+    let timed = run(["arm", "attributes", &fraction]).exited(2);
+    timed.reported("`time_us` is 1.5");
 }
 
 #[test]
@@ -375,7 +367,6 @@ fn attributes_out_of_their_ranges_are_refused_by_name() {
         let path = file(&folder, &format!("{name}.jsonl"), line.to_string());
         let refused = run(["arm", "landmarks", &path]);
         assert_eq!(refused.code, Some(2), "{name}");
-        let expected = format!("`{name}` of the left arm {reason}");
-        assert!(refused.err.contains(&expected), "{}", refused.err);
+        refused.reported(&format!("`{name}` of the left arm {reason}"));
     }
 }

@@ -300,10 +300,6 @@ fn nothing_is_written_unless_it_is_asked_for() {
 #[test]
 fn a_source_that_takes_no_feedback_is_named() {
     let run = crate::run(["run", "--source", "typist:h", "--haptics", "force"]).done();
-    assert!(
-        run.err.contains("no feedback: `haptics` is force"),
-        "{}",
-        run.err
-    );
-    assert!(run.err.contains("protocol=lucidgloves"), "{}", run.err);
+    run.reported("no feedback: `haptics` is force");
+    run.reported("protocol=lucidgloves");
 }

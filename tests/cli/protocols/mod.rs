@@ -170,10 +170,8 @@ fn doctor_names_a_source_that_cannot_be_opened_and_the_remedy() {
             "# check that the server is on",
         ),
     ] {
-        let found = run(["doctor", "--source", &source]);
-        assert_eq!(found.code, Some(1), "{}", found.out);
-        let expected = format!("{source} cannot be opened: ");
-        assert!(found.out.contains(&expected), "{}", found.out);
+        let found = run(["doctor", "--source", &source]).exited(1);
+        found.printed(&format!("{source} cannot be opened: "));
         assert!(
             found.out.contains(reason) && found.out.contains(remedy),
             "{}",

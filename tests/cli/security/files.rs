@@ -98,9 +98,8 @@ fn a_transcript_is_not_written_to_a_pipe_that_somebody_reads() {
         "--output",
         "transcript:pipe",
     ];
-    let ended = run_in(folder.path(), arguments);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("but a pipe"), "{}", ended.err);
+    let ended = run_in(folder.path(), arguments).exited(2);
+    ended.reported("but a pipe");
 }
 
 #[test]
@@ -119,9 +118,8 @@ fn an_existing_transcript_becomes_private_and_links_and_files_of_others_are_refu
 
     let refused = |name: &str, reason: &str, untouched: &str| {
         fs::write(path(untouched), "theirs").expect("space");
-        let ended = transcript(name);
-        assert_eq!(ended.code, Some(2), "{}", ended.err);
-        assert!(ended.err.contains(reason), "{}", ended.err);
+        let ended = transcript(name).exited(2);
+        ended.reported(reason);
         let kept = fs::read_to_string(path(untouched)).expect("it exists");
         assert_eq!(kept, "theirs", "{name}");
     };
@@ -149,13 +147,8 @@ fn a_layout_of_another_user_is_not_saved() {
         run_in(run.folder.path(), arguments)
     };
     ctl(&["nudge", "0", "0", "-5"]).done();
-    let ended = ctl(&["save"]);
-    assert_eq!(ended.code, Some(1), "{}", ended.err);
-    assert!(
-        ended.err.contains("belongs to another user"),
-        "{}",
-        ended.err
-    );
+    let ended = ctl(&["save"]).exited(1);
+    ended.reported("belongs to another user");
     assert_eq!(fs::read(&layout).expect("it exists"), before);
 }
 
@@ -185,13 +178,8 @@ fn a_server_of_another_user_gets_no_command() {
         request.truncate(length);
         request
     });
-    let ended = run_in(folder.path(), ["ctl", "pause", "--socket", "c.sock"]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(
-        ended.err.contains("belongs to another user"),
-        "{}",
-        ended.err
-    );
+    let ended = run_in(folder.path(), ["ctl", "pause", "--socket", "c.sock"]).exited(2);
+    ended.reported("belongs to another user");
     // A program that does not even connect leaves the server waiting.
     drop(UnixStream::connect(&path));
     assert_eq!(server.join().expect("no panic"), [0; 0], "no request");

@@ -105,7 +105,7 @@ fn a_transcript_of_a_setup_is_a_new_private_file_in_a_folder_of_its_own() {
     for name in ["today.txt", "today.2.txt"] {
         let ended = place.run(&["run", "setup.ron"]).done();
         let path = folder.join(name);
-        assert!(ended.err.contains(text(&path)), "{}", ended.err);
+        ended.reported(text(&path));
         let events = fs::read_to_string(&path).expect("a transcript");
         assert!(events.contains("down H"), "{events}");
         let mode = |file: &Path| fs::metadata(file).expect("it exists").permissions().mode();
@@ -261,7 +261,7 @@ fn a_name_never_means_a_file_in_the_working_folder() {
     let hint = "to use the file in this folder, write ./";
     let unused = "to use qwerty-flat, write ./qwerty-flat";
     let ended = place.run(&["layout", "check", "qwerty-flat"]).done();
-    assert!(ended.err.contains(unused), "{}", ended.err);
+    ended.reported(unused);
     place.refused(&["layout", "check", "mine"], &format!("{hint}mine.ron"));
     place.write("setup.ron", "Setup(layout: \"mine\", source: \"typist:h\")");
     place.refused(&["run", "setup"], &format!("{hint}setup.ron"));
@@ -311,7 +311,7 @@ fn files_in_a_setup_are_relative_to_it_and_never_to_the_working_folder() {
         );
     }
     let ended = run("../mine.ron").done();
-    assert!(ended.out.contains("depth working folder"), "{}", ended.out);
+    ended.printed("depth working folder");
     place.write("sub/mine.ron", &one_key("H", "beside"));
     for name in ["mine.ron", "./mine", "./mine.ron"] {
         let beside = run(name).done();

@@ -66,8 +66,6 @@ fn pages_and_plain_lines_are_refused_beyond_this_machine_with_a_remedy() {
 
 #[test]
 fn two_servers_at_one_port_are_refused_by_their_names() {
-    let refused = run(["share", "json:127.0.0.1:8091", "web:127.0.0.1:8091"]);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    let reason = "`json:127.0.0.1:8091` and `web:127.0.0.1:8091` listen on the same port";
-    assert!(refused.err.contains(reason), "{}", refused.err);
+    let refused = run(["share", "json:127.0.0.1:8091", "web:127.0.0.1:8091"]).exited(2);
+    refused.reported("`json:127.0.0.1:8091` and `web:127.0.0.1:8091` listen on the same port");
 }

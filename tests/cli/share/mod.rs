@@ -118,15 +118,9 @@ fn poses_and_angles_are_shared_as_lines_of_json() {
 #[test]
 fn an_address_that_others_can_reach_is_refused() {
     let share = |target: &str| run(["run", "--source", "typist:a", "--share", target]);
-    let remote = share("text-line:0.0.0.0:10002");
-    assert_eq!(remote.code, Some(2), "{}", remote.err);
-    assert!(
-        remote.err.contains("every network of the machine"),
-        "{}",
-        remote.err
-    );
+    let remote = share("text-line:0.0.0.0:10002").exited(2);
+    remote.reported("every network of the machine");
     let port = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
-    let taken = share(&format!("pose:{}", port.local_addr().expect("it is bound")));
-    assert_eq!(taken.code, Some(2), "{}", taken.err);
-    assert!(taken.err.contains("choose another one"), "{}", taken.err);
+    let taken = share(&format!("pose:{}", port.local_addr().expect("it is bound"))).exited(2);
+    taken.reported("choose another one");
 }

@@ -287,19 +287,14 @@ fn a_picture_and_a_transcript_do_not_share_a_terminal() {
     plain.wait_for_text("down H");
     assert!(!plain.text().contains('┌'));
 
-    let ended = crate::run(["run", "--source", "typist:h", "--view", "board"]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(
-        ended.err.contains("standard output is no terminal"),
-        "{}",
-        ended.err
-    );
+    let ended = crate::run(["run", "--source", "typist:h", "--view", "board"]).exited(2);
+    ended.reported("standard output is no terminal");
 }
 
 #[test]
 fn the_other_views_print_messages_or_only_errors() {
     let log = crate::run(["run", "--source", "typist:h", "--view", "log"]).done();
-    assert!(log.err.contains("armed: nothing is typed"), "{}", log.err);
+    log.reported("armed: nothing is typed");
     let none = crate::run(["run", "--source", "typist:h", "--view", "none"]).done();
     assert!(!none.err.contains("armed"), "{}", none.err);
 }

@@ -117,13 +117,8 @@ fn watching_no_run_or_without_a_terminal_is_explained() {
         "{text}"
     );
     screen.assert_restored();
-    let ended = crate::run(["watch", "--socket", socket]);
-    assert_eq!(ended.code, Some(2));
-    assert!(
-        ended.err.contains("standard output is no terminal"),
-        "{}",
-        ended.err
-    );
+    let ended = crate::run(["watch", "--socket", socket]).exited(2);
+    ended.reported("standard output is no terminal");
 }
 
 #[test]

@@ -30,7 +30,7 @@ fn a_shared_layout_is_checked_shown_and_played_but_types_only_if_it_is_trusted()
     let shown = run_in(home.path(), &["layout", "show", link]);
     assert!(shown.out.contains('Q'), "{}", shown.err);
     let checked = run_in(home.path(), &["layout", "check", link]);
-    assert!(checked.out.contains("valid"), "{}", checked.err);
+    checked.printed("valid");
     let typed = [
         "run",
         "--control",
@@ -40,22 +40,15 @@ fn a_shared_layout_is_checked_shown_and_played_but_types_only_if_it_is_trusted()
         "--layout",
         link,
     ];
-    let refused = run_in(home.path(), &typed);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    assert!(refused.err.contains("add --trust"), "{}", refused.err);
+    let refused = run_in(home.path(), &typed).exited(2);
+    refused.reported("add --trust");
     assert_eq!(refused.out, "");
     let trusted = run_in(home.path(), &[&typed[..], &["--trust"]].concat());
-    assert!(
-        trusted.out.contains("down H"),
-        "{}\n{}",
-        trusted.out,
-        trusted.err
-    );
+    trusted.printed("down H");
     let demo = ["demo", "--fast", "--text", "a", "--layout", link];
-    let played = run_in(home.path(), &demo);
-    assert_eq!(played.code, Some(0), "{}", played.err);
+    run_in(home.path(), &demo).done();
     let typing = run_in(home.path(), &[&demo[..], &["--output", "desktop"]].concat());
-    assert!(typing.err.contains("add --trust"), "{}", typing.err);
+    typing.reported("add --trust");
 }
 
 #[test]
@@ -75,8 +68,7 @@ fn a_layout_of_a_link_that_was_changed_stays_when_the_link_is_used_again() {
     let changed = format!("// mine\n{original}");
     fs::write(&first[0], &changed).expect("a change");
     for _ in 0..2 {
-        let shown = run_in(home.path(), &show);
-        assert_eq!(shown.code, Some(0), "{}", shown.err);
+        run_in(home.path(), &show).done();
     }
     assert_eq!(fs::read_to_string(&first[0]).expect("a layout"), changed);
     let all = files();
@@ -98,9 +90,8 @@ fn a_recording_is_traced_on_the_layout_of_a_link_that_is_trusted() {
         let arguments = ["trace", "touches", "--source", &source, "--layout"];
         run_in(home.path(), &[&arguments[..], layout].concat())
     };
-    let refused = trace(&[link]);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    assert!(refused.err.contains("add --trust"), "{}", refused.err);
+    let refused = trace(&[link]).exited(2);
+    refused.reported("add --trust");
     let traced = trace(&[link, "--trust"]).done();
     assert_ne!(traced.out, "");
     assert!(traced.out == trace(&["qwerty-arc"]).done().out);
@@ -121,7 +112,7 @@ fn a_link_in_a_setup_or_with_a_damaged_layout_is_refused() {
     assert_ne!(used.code, Some(0));
     assert_eq!(used.out, "");
     let cut = run_in(home.path(), &["layout", "show", &link[..link.len() - 40]]);
-    assert!(cut.err.contains("damaged"), "{}", cut.err);
+    cut.reported("damaged");
 }
 
 #[test]
@@ -129,7 +120,7 @@ fn a_folder_without_a_page_is_no_page() {
     let folder = tempfile::tempdir().expect("a folder");
     let ended = run(["serve", "--port", "0", "--dir", text(folder.path())]);
     assert_ne!(ended.code, Some(0));
-    assert!(ended.err.contains("run web/build"), "{}", ended.err);
+    ended.reported("run web/build");
 }
 
 /// Sends a request, and returns the answer.

@@ -81,10 +81,9 @@ fn browser_and_server() -> Option<(Browser, Process, String)> {
 #[cfg(not(feature = "tls"))]
 #[test]
 fn without_tls_the_page_for_a_headset_is_refused_with_the_remedy() {
-    let ended = crate::run(["serve", "--lan", "127.0.0.1"]);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("--features tls"), "{}", ended.err);
+    let ended = crate::run(["serve", "--lan", "127.0.0.1"]).exited(2);
+    ended.reported("--features tls");
     let source = "headset:127.0.0.1:8443?page=target/web";
     let headset = crate::run(["run", "--source", source, "--output", "none"]);
-    assert!(headset.err.contains("--features tls"), "{}", headset.err);
+    headset.reported("--features tls");
 }
