@@ -11,7 +11,7 @@ use ademan::hand::{Joint, Side};
 use crate::body_landmarks::two_hands;
 use crate::support::process::Process;
 use crate::text_line::pressed_keys;
-use crate::{Ended, ademan, file, run, text};
+use crate::{Ended, ademan, file, run, run_to_end, text};
 
 const KEYS: [&str; 4] = ["H", "O", "L", "A"];
 
@@ -111,7 +111,7 @@ fn an_export_that_fills_the_disk_names_its_file_which_opens() {
             .args(["-c", &script, env!("CARGO_BIN_EXE_ademan"), "export"])
             .args([text(&path), "--source", "typist:hola hola hola hola"])
             .stdin(Stdio::null());
-        let ended = Ended::from(shell.output().expect("a shell")).exited(1);
+        let ended = run_to_end(&mut shell).exited(1);
         ended.reported(&format!("cannot write {}: ", text(&path)));
         ended.reported("File too large");
         assert_eq!(path.exists(), is_kept);

@@ -20,23 +20,17 @@ use ademan::sim::{GloveFault, SimulatedWearer};
 use ademan::time::Timestamp;
 use tempfile::TempDir;
 
+#[cfg(target_os = "linux")]
 use crate::ademan;
 #[cfg(target_os = "linux")]
 use crate::view::{screen::Screen, set_terminal};
+use crate::{Ended, run_in};
 
-/// Runs `ademan calibrate` in a folder, without a terminal. Returns the exit code, the output and the errors.
-pub fn calibrate(folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
-    ended(folder, ademan(["calibrate"]).args(arguments))
-}
-
-pub fn ended(folder: &TempDir, command: &mut std::process::Command) -> (i32, String, String) {
-    let output = command
-        .current_dir(folder.path())
-        .output()
-        .expect("the program starts");
-    let code = output.status.code().expect("the program was not killed");
-    let text = |bytes| String::from_utf8(bytes).expect("it is UTF-8");
-    (code, text(output.stdout), text(output.stderr))
+/// Runs `ademan calibrate` in a folder, without a terminal.
+pub fn calibrate(folder: &TempDir, arguments: &[&str]) -> Ended {
+    let ended = run_in(folder.path(), ["calibrate"].iter().chain(arguments));
+    println!("{}{}", ended.out, ended.err);
+    ended
 }
 
 pub fn folder() -> TempDir {
@@ -50,9 +44,7 @@ pub fn read(folder: &TempDir, name: &str) -> String {
 #[test]
 fn a_simulated_person_gets_a_glove_file_and_its_recording_gives_the_same_file_twice() {
     let folder = folder();
-    let (code, out, errors) = calibrate(&folder, &["--demo", "--out", "mine"]);
-    println!("{out}{errors}");
-    assert_eq!(code, 0, "{errors}");
+    let ended = calibrate(&folder, &["--demo", "--out", "mine"]).done();
     for expected in [
         "pose 1 of 13: rest: lay the hand",
         "pose 13 of 13: elbow-bent:",
@@ -63,7 +55,7 @@ fn a_simulated_person_gets_a_glove_file_and_its_recording_gives_the_same_file_tw
         "kept the readings: mine.mcap",
         "ademan run --glove mine.ron",
     ] {
-        assert!(out.contains(expected), "no {expected}:\n{out}");
+        ended.printed(expected);
     }
     let text = read(&folder, "mine.ron");
     let glove = Glove::parse(&Document::new("mine.ron", text.clone())).expect("a glove");
@@ -71,9 +63,7 @@ fn a_simulated_person_gets_a_glove_file_and_its_recording_gives_the_same_file_tw
     let shipped = Glove::load("unam-hc11").expect("a glove");
     assert_ne!(glove.map, shipped.map);
     for name in ["first", "second"] {
-        let (again_code, again_out, again_errors) =
-            calibrate(&folder, &["--from", "mine.mcap", "--out", name]);
-        assert_eq!(again_code, 0, "{again_out}{again_errors}");
+        calibrate(&folder, &["--from", "mine.mcap", "--out", name]).done();
         assert_eq!(read(&folder, &format!("{name}.ron")), text, "{name}");
     }
 }
@@ -81,27 +71,20 @@ fn a_simulated_person_gets_a_glove_file_and_its_recording_gives_the_same_file_tw
 #[test]
 fn a_file_is_replaced_only_by_force_and_its_old_version_is_kept() {
     let folder = folder();
-    assert_eq!(calibrate(&folder, &["--demo", "1", "--out", "mine"]).0, 0);
+    calibrate(&folder, &["--demo", "1", "--out", "mine"]).done();
     let first = read(&folder, "mine.ron");
-    let (code, out, errors) = calibrate(&folder, &["--demo", "2", "--out", "mine.ron"]);
-    assert_eq!(code, 2, "{out}");
-    assert!(
-        errors.contains("mine.ron exists") && errors.contains("--force"),
-        "{errors}"
-    );
+    let refused = calibrate(&folder, &["--demo", "2", "--out", "mine.ron"]).exited(2);
+    refused.reported("mine.ron exists").reported("--force");
+    let out = refused.out;
     assert!(
         !out.contains("pose 1"),
         "it is refused before the session: {out}"
     );
     assert_eq!(read(&folder, "mine.ron"), first);
 
-    let (forced_code, forced_out, _) =
-        calibrate(&folder, &["--demo", "2", "--out", "mine.ron", "--force"]);
-    assert_eq!(forced_code, 0, "{forced_out}");
-    assert!(
-        forced_out.contains("undo: mv mine.ron.bak mine.ron"),
-        "{forced_out}"
-    );
+    let forced = ["--demo", "2", "--out", "mine.ron", "--force"];
+    let forced = calibrate(&folder, &forced).done();
+    forced.printed("undo: mv mine.ron.bak mine.ron");
     assert_ne!(read(&folder, "mine.ron"), first);
     assert_eq!(read(&folder, "mine.ron.bak"), first);
     // The readings of the first session are not lost either.
@@ -112,12 +95,10 @@ fn a_file_is_replaced_only_by_force_and_its_old_version_is_kept() {
 #[test]
 fn a_glove_file_of_the_person_is_the_default_destination() {
     let folder = folder();
-    let (code, out, errors) = calibrate(&folder, &["--demo"]);
-    assert_eq!(code, 0, "{errors}");
-    assert!(out.contains("wrote my-unam-hc11.ron"), "{out}");
-    let (refused_code, _, refused) = calibrate(&folder, &["--demo", "--glove", "my-unam-hc11.ron"]);
-    assert_eq!(refused_code, 2);
-    assert!(refused.contains("my-unam-hc11.ron exists"), "{refused}");
+    let ended = calibrate(&folder, &["--demo"]).done();
+    ended.printed("wrote my-unam-hc11.ron");
+    let refused = calibrate(&folder, &["--demo", "--glove", "my-unam-hc11.ron"]).exited(2);
+    refused.reported("my-unam-hc11.ron exists");
 }
 
 #[test]
@@ -129,13 +110,13 @@ fn a_left_hand_starts_from_the_left_glove() {
         (&demo[..], "my-unam-hc11-left.ron"),
         (&curls[..], "my-lucidgloves-left.ron"),
     ] {
-        let (code, out, errors) = calibrate(&folder, arguments);
-        assert_eq!(code, 0, "{out}{errors}");
+        calibrate(&folder, arguments).done();
         let glove = Glove::parse(&Document::new(file, read(&folder, file)));
         assert_eq!(glove.expect("a glove").side, Side::Left);
     }
     let named = [&demo[..], &["--glove", "unam-hc11"]].concat();
-    assert_eq!(calibrate(&folder, &named).0, 2, "the file states its hand");
+    // The file states its hand.
+    calibrate(&folder, &named).exited(2);
 }
 
 #[test]
@@ -151,14 +132,9 @@ fn a_glove_with_a_dead_sensor_is_refused_with_the_reason_and_nothing_is_written(
     let wearer =
         SimulatedWearer::new(3, &glove.map, glove.side).with_fault(GloveFault::Dead(channel));
     record(&folder.path().join("dead.mcap"), &glove, wearer);
-    let (code, out, errors) = calibrate(&folder, &["--from", "dead.mcap", "--out", "mine"]);
-    println!("{errors}");
-    assert_eq!(code, 1, "{out}{errors}");
-    let reason = format!("channel {channel} (index-");
-    assert!(
-        errors.contains("not usable") && errors.contains(&reason) && errors.contains("dead"),
-        "{errors}"
-    );
+    let ended = calibrate(&folder, &["--from", "dead.mcap", "--out", "mine"]).exited(1);
+    ended.reported("not usable").reported("dead");
+    ended.reported(&format!("channel {channel} (index-"));
     assert!(!folder.path().join("mine.ron").exists());
 }
 
@@ -166,17 +142,9 @@ fn a_glove_with_a_dead_sensor_is_refused_with_the_reason_and_nothing_is_written(
 fn the_channels_of_an_unknown_glove_are_found_and_the_new_file_is_calibrated() {
     let folder = folder();
     let arguments = ["--discover", "--demo", "--hand", "right", "--out", "found"];
-    let (code, out, errors) = calibrate(&folder, &arguments);
-    println!("{out}{errors}");
-    assert_eq!(code, 0, "{errors}");
-    assert!(
-        out.contains("index-bent: bend only the index finger"),
-        "{out}"
-    );
-    assert!(
-        out.contains("next: ademan calibrate --glove found.ron"),
-        "{out}"
-    );
+    let ended = calibrate(&folder, &arguments).done();
+    ended.printed("index-bent: bend only the index finger");
+    ended.printed("next: ademan calibrate --glove found.ron");
     let found = Glove::parse(&Document::new("found.ron", read(&folder, "found.ron")));
     let found = found.expect("a glove").map;
     let worn = Glove::load("unam-hc11")
@@ -197,9 +165,7 @@ fn the_channels_of_an_unknown_glove_are_found_and_the_new_file_is_calibrated() {
         };
         assert_eq!(channels(&found), channels(&worn), "{finger}");
     }
-    let worn_arguments = ["--demo", "--glove", "found.ron", "--force"];
-    let (worn_code, worn_out, worn_errors) = calibrate(&folder, &worn_arguments);
-    assert_eq!(worn_code, 0, "{worn_out}{worn_errors}");
+    calibrate(&folder, &["--demo", "--glove", "found.ron", "--force"]).done();
 }
 
 /// Records the calibration of a person.
@@ -238,23 +204,14 @@ pub fn write_readings(path: &Path, setup: &RecordedSetup, readings: &[Reading]) 
 #[test]
 fn sources_that_need_no_glove_or_are_not_named_are_refused() {
     let folder = folder();
-    let (code, _, errors) = calibrate(&folder, &[]);
-    assert_eq!(code, 2);
-    assert!(
-        errors.contains("no source is named") && errors.contains("--demo"),
-        "{errors}"
-    );
+    let unnamed = calibrate(&folder, &[]).exited(2);
+    unnamed.reported("no source is named").reported("--demo");
     fs::write(folder.path().join("angles.txt"), "0 ".repeat(64) + "\n").expect("a file");
     let source = "file:angles.txt?protocol=text-line";
-    let (file_code, _, file_errors) = calibrate(&folder, &["--source", source]);
-    assert_eq!(file_code, 2, "{file_errors}");
-    assert!(
-        file_errors.contains("nothing to calibrate"),
-        "{file_errors}"
-    );
-    let (typist_code, _, typist_errors) = calibrate(&folder, &["--source", "typist:hello"]);
-    assert_eq!(typist_code, 1);
-    assert!(typist_errors.contains("ended at pose"), "{typist_errors}");
+    let angles = calibrate(&folder, &["--source", source]).exited(2);
+    angles.reported("nothing to calibrate");
+    let typist = calibrate(&folder, &["--source", "typist:hello"]).exited(1);
+    typist.reported("ended at pose");
 }
 
 #[test]
@@ -262,20 +219,13 @@ fn typed_lengths_are_checked_and_give_the_line_for_the_setup() {
     let folder = folder();
     let lengths = ["--hand-length", "189", "--forearm-length", "262"];
     let demo = ["--demo", "--out", "mine"];
-    let (code, out, errors) = calibrate(&folder, &[&demo[..], &lengths].concat());
-    assert_eq!(code, 0, "{errors}");
-    let line = out
-        .lines()
-        .find_map(|line| line.strip_prefix("in the setup file: "));
+    let ended = calibrate(&folder, &[&demo[..], &lengths].concat()).done();
+    let mut lines = ended.out.lines();
+    let line = lines.find_map(|line| line.strip_prefix("in the setup file: "));
     let fields = line.expect("a line for the setup");
-    println!("{fields}");
     let setup = format!("Setup(source: \"typist:a\", {fields})");
     fs::write(folder.path().join("setup.ron"), setup).expect("a file");
-    let checked = ademan(["run", "setup.ron"])
-        .current_dir(folder.path())
-        .output()
-        .expect("the program starts");
-    assert!(checked.status.success(), "{checked:?}");
+    run_in(folder.path(), ["run", "setup.ron"]).done();
     for (wrong, reason) in [
         (
             &lengths[..2],
@@ -298,10 +248,8 @@ fn typed_lengths_are_checked_and_give_the_line_for_the_setup() {
             "is not a number",
         ),
     ] {
-        let (wrong_code, wrong_out, wrong_errors) =
-            calibrate(&folder, &[&["--demo", "--out", "other"], wrong].concat());
-        assert_eq!(wrong_code, 2, "{wrong_out}{wrong_errors}");
-        assert!(wrong_errors.contains(reason), "{wrong_errors}");
+        let arguments = [&["--demo", "--out", "other"], wrong].concat();
+        calibrate(&folder, &arguments).exited(2).reported(reason);
         assert!(!folder.path().join("other.ron").exists());
     }
 }
@@ -329,26 +277,20 @@ fn a_headset_measures_the_hand_the_table_and_the_place_of_a_board() {
     let folder = folder();
     fs::write(folder.path().join("hand.jsonl"), lines).expect("a file");
     let source = "file:hand.jsonl?protocol=webxr";
-    let (code, out, errors) = calibrate(&folder, &["--source", source]);
-    println!("{out}{errors}");
-    assert_eq!(code, 0, "{errors}");
+    let ended = calibrate(&folder, &["--source", source]).done();
     for expected in [
         "hand length: 178 mm",
         "table: -5 mm high, slope 0°",
         "in the layout: pose: (anchor: world, bearing_deg: ",
     ] {
-        assert!(out.contains(expected), "no {expected}:\n{out}");
+        ended.printed(expected);
     }
-    let (known_code, known_out, known_errors) =
-        calibrate(&folder, &["--source", source, "--forearm-length", "262"]);
-    assert_eq!(known_code, 0, "{known_errors}");
-    let expected = "in the setup file: arm: Measured(hand_length_mm: 178, forearm_length_mm: 262)";
-    assert!(known_out.contains(expected), "no {expected}:\n{known_out}");
-    let (_, wrong_out, _) = calibrate(&folder, &["--source", source, "--forearm-length", "126"]);
-    assert!(
-        wrong_out.contains("no lengths: no person has a hand of 178 mm"),
-        "{wrong_out}"
-    );
+    let known = ["--source", source, "--forearm-length", "262"];
+    let known = calibrate(&folder, &known).done();
+    let line = "in the setup file: arm: Measured(hand_length_mm: 178, forearm_length_mm: 262)";
+    known.printed(line);
+    let wrong = calibrate(&folder, &["--source", source, "--forearm-length", "126"]);
+    wrong.printed("no lengths: no person has a hand of 178 mm");
 }
 
 #[cfg(target_os = "linux")]

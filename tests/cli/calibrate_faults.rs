@@ -6,11 +6,11 @@ use ademan::document::Document;
 use ademan::layout::Glove;
 use tempfile::TempDir;
 
-use crate::ademan;
-use crate::calibrate::{calibrate, ended, folder, read};
+use crate::calibrate::{calibrate, folder, read};
+use crate::{Ended, ademan, run_to_end};
 
 /// Runs `ademan calibrate` in a folder after the commands `before` of a shell.
-fn calibrate_after(before: &str, folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
+fn calibrate_after(before: &str, folder: &TempDir, arguments: &[&str]) -> Ended {
     let program = ademan(["calibrate"]);
     let mut shell = std::process::Command::new("sh");
     shell
@@ -23,8 +23,9 @@ fn calibrate_after(before: &str, folder: &TempDir, arguments: &[&str]) -> (i32, 
                 .get_envs()
                 .filter_map(|(name, value)| Some((name, value?))),
         )
-        .stdin(std::process::Stdio::null());
-    ended(folder, &mut shell)
+        .stdin(std::process::Stdio::null())
+        .current_dir(folder.path());
+    run_to_end(&mut shell)
 }
 
 /// The start of a program that can write no file of more than a kilobyte, as on a full disk.
@@ -33,20 +34,18 @@ const FULL_DISK: &str = "trap '' XFSZ; ulimit -f 1;";
 #[test]
 fn a_full_disk_leaves_the_glove_file_and_its_backup_as_they_were() {
     let folder = folder();
-    assert_eq!(calibrate(&folder, &["--demo", "--out", "mine"]).0, 0);
+    calibrate(&folder, &["--demo", "--out", "mine"]).done();
     fs::write(folder.path().join("mine.ron.bak"), "the first one").expect("a file");
     let before = read(&folder, "mine.ron");
     for _ in 0..2 {
         let again = ["--from", "mine.mcap", "--out", "mine", "--force"];
-        let (code, out, errors) = calibrate_after(FULL_DISK, &folder, &again);
-        assert_eq!(code, 2, "{out}{errors}");
-        assert!(errors.contains("cannot write mine.ron: "), "{errors}");
+        let ended = calibrate_after(FULL_DISK, &folder, &again).exited(2);
+        ended.reported("cannot write mine.ron: ");
         assert_eq!(read(&folder, "mine.ron"), before);
         assert_eq!(read(&folder, "mine.ron.bak"), "the first one");
     }
     let new = ["--from", "mine.mcap", "--out", "new"];
-    let (code, out, errors) = calibrate_after(FULL_DISK, &folder, &new);
-    assert_eq!(code, 2, "{out}{errors}");
+    calibrate_after(FULL_DISK, &folder, &new).exited(2);
     let left = fs::read_dir(folder.path()).expect("a folder").count();
     assert_eq!(left, 3, "the glove file, its backup and the readings");
 }
@@ -71,10 +70,9 @@ fn a_folder_that_is_missing_or_refuses_files_is_reported_before_the_session() {
         places.push(("read-only/mine", "cannot write read-only/mine.ron: "));
     }
     for (out, reason) in places {
-        let (code, text, errors) = calibrate(&folder, &["--demo", "--force", "--out", out]);
-        assert_eq!(code, 2, "{out}: {text}{errors}");
-        assert!(errors.contains(reason), "{out}: {errors}");
-        assert!(!text.contains("pose 1"), "{out}: {text}");
+        let ended = calibrate(&folder, &["--demo", "--force", "--out", out]).exited(2);
+        ended.reported(reason);
+        assert!(!ended.out.contains("pose 1"), "{out}: {}", ended.out);
     }
 }
 
@@ -82,9 +80,8 @@ fn a_folder_that_is_missing_or_refuses_files_is_reported_before_the_session() {
 fn the_error_of_the_glove_file_is_reported_before_the_error_of_its_recording() {
     let folder = folder();
     let arguments = ["--demo", "--out", "mine"];
-    let (code, out, errors) = calibrate_after(FULL_DISK, &folder, &arguments);
-    assert_eq!(code, 2, "{out}{errors}");
-    assert!(errors.contains("cannot write mine.ron: "), "{errors}");
+    let ended = calibrate_after(FULL_DISK, &folder, &arguments).exited(2);
+    ended.reported("cannot write mine.ron: ");
 }
 
 #[test]
@@ -99,11 +96,13 @@ fn a_full_or_closed_standard_output_does_not_lose_the_glove_file() {
         ("table", &["--from", "lines.mcap"]),
         ("found", &["--discover", "--demo"]),
     ] {
+        println!("{name}");
+        println!("{name}");
+        println!("{name}");
         let full = [arguments, &["--out", name]].concat();
-        let (code, _, errors) = calibrate_after("exec >/dev/full;", &folder, &full);
-        assert_eq!(code, 1, "{name}: {errors}");
-        assert!(errors.contains("No space left"), "{name}: {errors}");
-        assert!(!errors.contains("panicked"), "{name}: {errors}");
+        let ended = calibrate_after("exec >/dev/full;", &folder, &full).exited(1);
+        ended.reported("No space left");
+        assert!(!ended.err.contains("panicked"), "{name}: {}", ended.err);
         parse(name);
 
         let closed = format!("closed-{name}");
@@ -113,10 +112,11 @@ fn a_full_or_closed_standard_output_does_not_lose_the_glove_file() {
         command
             .args(arguments)
             .args(["--out", &closed])
+            .current_dir(folder.path())
             .stdout(writer);
-        let (closed_code, _, closed_errors) = ended(&folder, &mut command);
-        assert_eq!(closed_code, 0, "{name}: {closed_errors}");
-        assert!(!closed_errors.contains("panicked"), "{closed_errors}");
+        let closed_end = run_to_end(&mut command).done();
+        let errors = closed_end.err;
+        assert!(!errors.contains("panicked"), "{name}: {errors}");
         parse(&closed);
     }
 }

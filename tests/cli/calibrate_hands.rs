@@ -10,17 +10,17 @@ use ademan::layout::Glove;
 use ademan::sim::SimulatedWearer;
 use tempfile::TempDir;
 
-use crate::ademan;
-use crate::calibrate::{calibrate, ended, folder, read, take_poses, write_readings};
+use crate::calibrate::{calibrate, folder, read, take_poses, write_readings};
+use crate::{Ended, ademan, run_to_end};
 
 /// Calibrates in a folder with this setup of every run.
-fn calibrate_beside(setup: &str, folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
+fn calibrate_beside(setup: &str, folder: &TempDir, arguments: &[&str]) -> Ended {
     let config = folder.path().join("config");
     fs::create_dir_all(config.join("ademan")).expect("a folder");
     fs::write(config.join("ademan/setup.ron"), setup).expect("a file");
     let mut command = ademan(["calibrate"]);
     command.args(arguments).env("XDG_CONFIG_HOME", config);
-    ended(folder, &mut command)
+    run_to_end(command.current_dir(folder.path()))
 }
 
 #[test]
@@ -28,8 +28,7 @@ fn the_glove_of_the_other_hand_of_a_setup_is_calibrated() {
     let folder = folder();
     let setup = "Setup(glove: \"unam-hc11\", other_hand: (glove: \"unam-hc11-left\"))";
     let arguments = ["--demo", "--glove", "unam-hc11-left", "--out", "mine"];
-    let (code, _, errors) = calibrate_beside(setup, &folder, &arguments);
-    assert_eq!(code, 0, "{errors}");
+    calibrate_beside(setup, &folder, &arguments).done();
     let glove = Glove::parse(&Document::new("mine.ron", read(&folder, "mine.ron")));
     assert_eq!(glove.expect("a glove").side, Side::Left);
 }
@@ -44,10 +43,10 @@ fn the_glove_of_the_other_hand_is_calibrated_with_the_source_of_that_hand() {
         ("unam-hc11-left", "second.bin", "first.bin"),
     ] {
         let arguments = ["--glove", glove, "--out", "mine"];
-        let (_, _, errors) = calibrate_beside(setup, &folder, &arguments);
+        let ended = calibrate_beside(setup, &folder, &arguments);
         // There are no such files.
-        assert!(errors.contains(own), "{errors}");
-        assert!(!errors.contains(other), "{errors}");
+        ended.reported(own);
+        assert!(!ended.err.contains(other), "{}", ended.err);
     }
 }
 
@@ -55,9 +54,8 @@ fn the_glove_of_the_other_hand_is_calibrated_with_the_source_of_that_hand() {
 fn a_simulated_person_wears_a_glove_beside_a_setup_with_a_camera() {
     let folder = folder();
     let setup = "Setup(source: \"udp:127.0.0.1:9000?protocol=hand-landmarks\")";
-    let (code, out, errors) = calibrate_beside(setup, &folder, &["--demo", "--out", "mine"]);
-    assert_eq!(code, 0, "{errors}");
-    assert!(out.contains("wrote mine.ron"), "{out}");
+    let ended = calibrate_beside(setup, &folder, &["--demo", "--out", "mine"]).done();
+    ended.printed("wrote mine.ron");
 }
 
 #[test]
@@ -90,11 +88,8 @@ fn a_recording_of_two_gloves_calibrates_the_glove_of_one_hand() {
         calibrate(&folder, &arguments)
     };
     for name in ["one", "two"] {
-        let (code, _, errors) = from(name);
-        assert_eq!(code, 0, "{name}: {errors}");
+        from(name).done();
     }
     assert_eq!(read(&folder, "two.ron"), read(&folder, "one.ron"));
-    let (refused, _, reason) = from("left");
-    assert_eq!(refused, 2, "{reason}");
-    assert!(reason.contains("of the left hand only"), "{reason}");
+    from("left").exited(2).reported("of the left hand only");
 }

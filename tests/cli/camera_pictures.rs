@@ -13,7 +13,7 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 use crate::support::process::{Process, signal};
 #[cfg(target_os = "linux")]
 use crate::support::run::TIMEOUT;
-use crate::{Ended, ademan, file, run, text};
+use crate::{Ended, ademan, file, run, run_to_end, text};
 
 const SIZE: [usize; 2] = [480, 360];
 
@@ -409,7 +409,7 @@ fn a_program_without_ffmpeg_says_how_to_install_it() {
     let folder = tempfile::tempdir().unwrap();
     let film = file(&folder, "film.mp4", "any");
     let mut command = ademan(["cameras", "markers", &film]);
-    let ended = Ended::from(command.env("PATH", folder.path()).output().unwrap()).exited(1);
+    let ended = run_to_end(command.env("PATH", folder.path())).exited(1);
     ended.reported("cannot start ffmpeg");
     ended.reported("sudo apt install ffmpeg");
 }

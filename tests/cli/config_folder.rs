@@ -5,7 +5,7 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use super::{Ended, ademan, text};
+use super::{Ended, ademan, run_to_end, text};
 
 /// A person's configuration folder and a working folder.
 struct Home(TempDir);
@@ -31,7 +31,7 @@ impl Home {
         command.env("XDG_CONFIG_HOME", self.0.path().join("config"));
         command.env("APPDATA", self.0.path().join("config"));
         command.current_dir(self.0.path().join("work"));
-        command.output().expect("the program starts").into()
+        run_to_end(&mut command)
     }
 
     fn config(&self, path: &str) -> String {

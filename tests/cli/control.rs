@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use crate::support::glove::Glove;
 use crate::support::process::{Process, signal};
 use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, postures, shipped};
+use crate::{Ended, run_in, run_to_end, text};
 use ademan::files::OpenDocument;
 use ademan::session::control_socket::Client;
 use serde_json::Value;
@@ -62,16 +63,13 @@ fn ademan(arguments: &[&str]) -> Command {
     command
 }
 
-/// Runs `ademan ctl`. Returns its exit code, output and errors.
-pub fn ctl(run: &Run, arguments: &[&str]) -> (i32, String, String) {
-    let path = socket(run);
-    let path = path.to_str().expect("the path is UTF-8");
-    let output = ademan(&[&["ctl", "--socket", path], arguments].concat())
-        .output()
-        .expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("the output is UTF-8");
-    let code = output.status.code().expect("the program was not killed");
-    (code, text(output.stdout), text(output.stderr))
+/// Runs `ademan ctl`.
+pub fn ctl(run: &Run, arguments: &[&str]) -> Ended {
+    ctl_at(&socket(run), arguments)
+}
+
+fn ctl_at(socket: &Path, arguments: &[&str]) -> Ended {
+    crate::run(["ctl", "--socket", text(socket)].iter().chain(arguments))
 }
 
 fn wait_until(mut done: impl FnMut() -> bool) {
@@ -129,8 +127,7 @@ fn a_state_names_the_layout_and_counts_every_reading() {
     assert_eq!(count(&state["steps"]), count(&stats["accepted"]) + rejected);
     assert!(taken > 10, "{taken}");
 
-    let (code, out, _) = ctl(&run, &["state"]);
-    assert_eq!(code, 0);
+    let out = ctl(&run, &["state"]).done().out;
     assert!(
         out.starts_with("state      running\nprofile    main\nlayout     my.ron\n"),
         "{out}"
@@ -140,15 +137,15 @@ fn a_state_names_the_layout_and_counts_every_reading() {
 #[test]
 fn a_reload_replies_with_the_outcome_even_if_the_file_was_not_saved() {
     let run = run();
-    let (code, out, _) = ctl(&run, &["reload"]);
-    assert_eq!((code, out.as_str()), (0, "my.ron: active from now on\n"));
+    let out = ctl(&run, &["reload"]).done().out;
+    assert_eq!(out, "my.ron: active from now on\n");
     assert_eq!(run.next_event(), "up H");
 
     run.save("Layout(\n    nmae: \"My board\",\n)\n");
-    let (invalid_code, invalid_out, err) = ctl(&run, &["reload"]);
-    assert_eq!((invalid_code, invalid_out.as_str()), (1, ""));
+    let invalid = ctl(&run, &["reload"]).exited(1);
+    assert_eq!(invalid.out, "");
     let expected = "error: my.ron:2:5: unknown field `nmae`, did you mean `name`?\n 2 |     nmae: \"My board\",\n   |     ^^^^\nthe active layout stays\n";
-    assert_eq!(err, expected);
+    assert_eq!(invalid.err, expected);
     run.save(&shipped("dvorak-flat"));
     let answer = request(&mut client(&run), r#"{"command":"reload"}"#);
     assert_eq!(answer["text"], "my.ron: active from now on");
@@ -233,10 +230,7 @@ fn a_layout_without_boards_refuses_every_move() {
         (&["scale", "1.5"][..], ""),
         (&["recenter"][..], at_hand),
     ] {
-        let output = ademan(&[&["ctl", "--socket", socket], request].concat()).output();
-        let output = output.expect("the program starts");
-        let err = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{request:?}: {err}");
+        let err = ctl_at(Path::new(socket), request).exited(1).err;
         let expected = format!("error: {no_boards}{remedy}\n");
         assert_eq!(err, expected, "{request:?}");
     }
@@ -250,19 +244,16 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
     std::os::unix::fs::symlink(&linked, &path).expect("the link is created");
     fs::set_permissions(&path, fs::Permissions::from_mode(0o640))
         .expect("the file belongs to this user");
-    let (code, _, err) = ctl(&run, &["save"]);
+    let err = ctl(&run, &["save"]).exited(1).err;
     let expected = "error: my.ron: not saved, as no board was moved or scaled\n";
-    assert_eq!((code, err.as_str()), (1, expected));
+    assert_eq!(err, expected);
     assert!(run.events.is_empty(), "the key stays pressed");
 
     // One key to the left along the rows, which are rotated 35 degrees about the vertical axis.
     let by = 35.0_f64.to_radians();
     let (x, z) = (-19.0 * by.cos(), -19.0 * by.sin());
-    let (nudge_code, out, nudge_err) = ctl(&run, &["nudge", &x.to_string(), "0", &z.to_string()]);
-    assert_eq!(
-        (nudge_code, out.as_str(), nudge_err.as_str()),
-        (0, "done\n", "")
-    );
+    let nudged = ctl(&run, &["nudge", &x.to_string(), "0", &z.to_string()]).done();
+    assert_eq!((nudged.out.as_str(), nudged.err.as_str()), ("done\n", ""));
     assert_eq!(run.next_event(), "up H");
     thread::sleep(MOVE_TIME);
     assert!(run.events.is_empty(), "the finger has not left the key");
@@ -271,10 +262,10 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
     run.press();
     assert_eq!(run.next_event(), "down J");
 
-    let (save_code, save_out, save_err) = ctl(&run, &["save"]);
+    let saving = ctl(&run, &["save"]).done();
     assert_eq!(
-        (save_code, save_out.as_str(), save_err.as_str()),
-        (0, "my.ron: saved\n", "")
+        (saving.out.as_str(), saving.err.as_str()),
+        ("my.ron: saved\n", "")
     );
     let saved = fs::read_to_string(&path).expect("the file exists");
     let before = shipped("qwerty-flat");
@@ -292,15 +283,13 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
     thread::sleep(MOVE_TIME);
     assert!(run.events.is_empty(), "saving releases nothing");
 
-    let (scale_code, _, scale_err) = ctl(&run, &["scale", "3"]);
-    let scale_expected = "error: `factor` is 0.5 to 2, not 3\n";
-    assert_eq!((scale_code, scale_err.as_str()), (1, scale_expected));
-    assert_eq!(ctl(&run, &["nudge", "0", "-1", "0"]).0, 0);
+    let scale_err = ctl(&run, &["scale", "3"]).exited(1).err;
+    assert_eq!(scale_err, "error: `factor` is 0.5 to 2, not 3\n");
+    ctl(&run, &["nudge", "0", "-1", "0"]).done();
     assert_eq!(run.next_event(), "up J");
-    let (scaled_code, scaled_out, _) = ctl(&run, &["scale", "1.5"]);
-    assert_eq!((scaled_code, scaled_out.as_str()), (0, "scaled by 1.5\n"));
-    let (saved_code, _, _) = ctl(&run, &["save"]);
-    assert_eq!(saved_code, 0);
+    let scaled = ctl(&run, &["scale", "1.5"]).done();
+    assert_eq!(scaled.out, "scaled by 1.5\n");
+    ctl(&run, &["save"]).done();
     let scaled_text = fs::read_to_string(&path).expect("the file exists");
     let fields = "anchor: elbow, scale: 1.5, right_mm: -19";
     let moved = before.replace("anchor: elbow", fields);
@@ -311,15 +300,11 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
 
     run.save(&format!("// mine\n{scaled_text}"));
     run.wait_for_message("my.ron: active from now on");
-    let (tilt_code, _, _) = ctl(&run, &["tilt", "-5"]);
-    assert_eq!(tilt_code, 0);
+    ctl(&run, &["tilt", "-5"]).done();
     fs::write(&path, "no layout").expect("the file is written");
-    let (differing_code, _, differing_err) = ctl(&run, &["save"]);
+    let differing_err = ctl(&run, &["save"]).exited(1).err;
     let differing_expected = "error: my.ron: not saved, as the file differs from the active layout; `reload` activates the file\n";
-    assert_eq!(
-        (differing_code, differing_err.as_str()),
-        (1, differing_expected)
-    );
+    assert_eq!(differing_err, differing_expected);
     assert_eq!(
         fs::read_to_string(&path).expect("the file exists"),
         "no layout"
@@ -338,19 +323,22 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
 #[test]
 fn a_refused_move_has_a_reason_and_releases_nothing() {
     let run = run();
-    let (code, _, err) = ctl(&run, &["tilt", "-80"]);
-    assert_eq!(code, 0, "{err}");
+    ctl(&run, &["tilt", "-80"]).done();
     assert_eq!(run.next_event(), "up H");
-    let (steep_code, _, steep_err) = ctl(&run, &["tilt", "-80"]);
-    let expected =
-        "error: the tilt of board 1 would be outside -90 to 90 degrees; no board was moved\n";
-    assert_eq!((steep_code, steep_err.as_str()), (1, expected));
-    let (near_code, _, near_err) = ctl(&run, &["profile", "mian"]);
-    let near_expected = "error: unknown profile `mian`, did you mean `main`?\n";
-    assert_eq!((near_code, near_err.as_str()), (1, near_expected));
-    let (far_code, _, far_err) = ctl(&run, &["profile", "xyz"]);
-    let far_expected = "error: unknown profile `xyz`; available: main\n";
-    assert_eq!((far_code, far_err.as_str()), (1, far_expected));
+    for (arguments, expected) in [
+        (
+            ["tilt", "-80"],
+            "the tilt of board 1 would be outside -90 to 90 degrees; no board was moved",
+        ),
+        (
+            ["profile", "mian"],
+            "unknown profile `mian`, did you mean `main`?",
+        ),
+        (["profile", "xyz"], "unknown profile `xyz`; available: main"),
+    ] {
+        let err = ctl(&run, &arguments).exited(1).err;
+        assert_eq!(err, format!("error: {expected}\n"));
+    }
 }
 
 #[test]
@@ -509,18 +497,13 @@ fn a_client_without_a_subscription_receives_no_events() {
 #[test]
 fn stop_releases_keys_and_ends_the_run_with_success() {
     let mut run = run();
-    let (code, out, _) = ctl(&run, &["stop"]);
-    assert_eq!((code, out.as_str()), (0, "ended\n"));
+    assert_eq!(ctl(&run, &["stop"]).done().out, "ended\n");
     assert_eq!(run.next_event(), "up H");
     let ended = run.program.0.wait().expect("the program ends");
     assert_eq!(ended.code(), Some(0));
     assert!(!socket(&run).exists());
-    let (absent_code, _, err) = ctl(&run, &["state"]);
-    assert_eq!(absent_code, 2);
-    assert!(
-        err.contains("no session listens there; start `ademan run`"),
-        "{err}"
-    );
+    let absent = ctl(&run, &["state"]).exited(2);
+    absent.reported("no session listens there; start `ademan run`");
 }
 
 #[test]
@@ -529,11 +512,9 @@ fn a_second_run_is_refused_and_the_socket_of_a_killed_run_is_replaced() {
     let path = socket(&run);
     let path = path.to_str().expect("the path is UTF-8");
     let second = ["run", "--source", "typist:hi", "--control", path];
-    let ended = ademan(&second).output().expect("the program starts");
-    assert_eq!(ended.status.code(), Some(2));
-    let err = String::from_utf8_lossy(&ended.stderr);
-    assert!(err.contains("another session listens on"), "{err}");
-    assert!(err.contains("`ademan ctl stop`"), "{err}");
+    let ended = crate::run(second).exited(2);
+    ended.reported("another session listens on");
+    ended.reported("`ademan ctl stop`");
     assert_eq!(
         request(&mut client(&run), r#"{"command":"state"}"#)["ok"],
         true
@@ -545,8 +526,7 @@ fn a_second_run_is_refused_and_the_socket_of_a_killed_run_is_replaced() {
         Path::new(path).exists(),
         "a killed run leaves its socket behind"
     );
-    let second_end = ademan(&second).output().expect("the program starts");
-    assert_eq!(second_end.status.code(), Some(0));
+    crate::run(second).done();
     assert!(!Path::new(path).exists());
 }
 
@@ -593,13 +573,8 @@ fn a_directory_that_others_may_enter_is_refused() {
     fs::set_permissions(&folder, fs::Permissions::from_mode(0o755))
         .expect("the file belongs to this user");
     let mut run = ademan(&["run", "--source", "typist:hi"]);
-    let ended = run
-        .env("XDG_RUNTIME_DIR", runtime.path())
-        .output()
-        .expect("the program starts");
-    assert_eq!(ended.status.code(), Some(2));
-    let err = String::from_utf8_lossy(&ended.stderr);
-    assert!(err.contains("restrict it to yourself: chmod 700"), "{err}");
+    let ended = run_to_end(run.env("XDG_RUNTIME_DIR", runtime.path())).exited(2);
+    ended.reported("restrict it to yourself: chmod 700");
 }
 
 #[test]
@@ -683,20 +658,19 @@ fn a_zeroed_hand_is_undone_recorded_and_replayed() {
     run.wait_for_message(ARMED);
     run.press();
     let mut seen = vec![run.next_event()];
-    let (code, _, refused) = ctl(&run, &["zero"]);
-    assert_eq!(code, 1, "{refused}");
-    assert!(refused.contains("a key is down"), "{refused}");
+    let refused = ctl(&run, &["zero"]).exited(1);
+    refused.reported("a key is down");
     run.lift();
     seen.push(run.next_event());
     let zero = |arguments: &[&str]| {
         let mut last = String::new();
         wait_until(|| {
-            let (moved_code, text, error) = ctl(&run, arguments);
-            last = format!("{text}{error}");
+            let moved = ctl(&run, arguments);
+            last = moved.out + &moved.err;
             // The finger leaves the key some readings after the key is up.
             let is_moving = last.contains("still") || last.contains("a key is down");
-            assert!(moved_code == 0 || is_moving, "{last}");
-            moved_code == 0
+            assert!(moved.code == Some(0) || is_moving, "{last}");
+            moved.code == Some(0)
         });
         last
     };
@@ -721,13 +695,10 @@ fn a_zeroed_hand_is_undone_recorded_and_replayed() {
     run.lift();
     seen.push(run.next_event());
     assert_eq!(seen, ["down H", "up H", "down H", "up H"]);
-    assert_eq!(ctl(&run, &["stop"]).0, 0);
+    ctl(&run, &["stop"]).done();
 
-    let replayed = ademan(&["replay", "hand.mcap"])
-        .current_dir(run.folder.path())
-        .output();
-    let replayed = String::from_utf8(replayed.expect("it starts").stdout).expect("it is UTF-8");
-    let replayed: Vec<String> = events_of(&replayed)
+    let replayed = run_in(run.folder.path(), ["replay", "hand.mcap"]);
+    let replayed: Vec<String> = events_of(&replayed.out)
         .iter()
         .map(|line| {
             line.split_whitespace()
@@ -746,9 +717,9 @@ fn a_zeroed_hand_is_undone_recorded_and_replayed() {
 fn a_session_that_is_stopped_by_a_signal_is_said_to_give_no_answer() {
     let run = run();
     signal("STOP", run.program.0.id());
-    let (code, _, err) = ctl(&run, &["state"]);
+    let ended = ctl(&run, &["state"]);
     signal("CONT", run.program.0.id());
-    assert_eq!(code, 1, "{err}");
-    let reason = "no answer within 5 s; the program is stopped or hangs";
-    assert!(err.contains(reason) && !err.contains("os error"), "{err}");
+    let ended = ended.exited(1);
+    ended.reported("no answer within 5 s; the program is stopped or hangs");
+    assert!(!ended.err.contains("os error"), "{}", ended.err);
 }

@@ -10,7 +10,7 @@ use std::{fs, io};
 use serde_json::Value;
 
 use crate::support::binary::copy_binary;
-use crate::{Ended, ademan, run};
+use crate::{Ended, ademan, run, run_to_end};
 
 /// Returns the path of a file of the package.
 fn root(path: &str) -> PathBuf {
@@ -57,12 +57,10 @@ fn an_output_that_cannot_send_what_the_layout_requires_is_a_finding() {
 #[test]
 fn a_display_and_a_running_session_are_detected() {
     let folder = tempfile::tempdir().unwrap();
-    let doctor = |arguments: &[&str]| -> Ended {
+    let doctor = |arguments: &[&str]| {
         let mut command = ademan(["doctor", "--json"]);
-        command
-            .args(arguments)
-            .env("XDG_RUNTIME_DIR", folder.path());
-        command.output().expect("the program starts").into()
+        command.args(arguments);
+        run_to_end(command.env("XDG_RUNTIME_DIR", folder.path()))
     };
     let free = checks(&doctor(&[]).done());
     assert_eq!(check(&free, "sockets")["status"], "ok");
@@ -101,7 +99,7 @@ fn without_a_display_no_output_is_advised_to_follow_the_focus() {
     for variable in ["DISPLAY", "WAYLAND_DISPLAY"] {
         command.env_remove(variable);
     }
-    let ended: Ended = command.output().expect("the program starts").into();
+    let ended = run_to_end(&mut command);
     let found = checks(&ended);
     let reason = check(&found, "focus")["text"].as_str().expect("a text");
     assert!(reason.starts_with("DISPLAY is not set"), "{reason}");
@@ -122,7 +120,7 @@ fn a_desktop_that_hangs_is_a_finding_and_does_not_hang_the_doctor() {
     // The display 0 of a machine has the port 6000.
     let display = format!("127.0.0.1:{}", port.checked_sub(6000).expect("a high port"));
     command.arg(&setup).env("DISPLAY", display);
-    let ended = Ended::from(command.output().expect("the program starts")).exited(1);
+    let ended = run_to_end(&mut command).exited(1);
     let found = checks(&ended);
     let focus = check(&found, "focus");
     assert_eq!(focus["status"], "missing");
@@ -364,10 +362,9 @@ fn check_with(tool: &mut Command) {
 #[test]
 fn root_is_refused_without_allow_root_but_may_use_other_commands() {
     let program = env!("CARGO_BIN_EXE_ademan");
-    let run = |arguments: &[&str]| -> Ended {
+    let run = |arguments: &[&str]| {
         let mut command = Command::new(program);
-        command.args(arguments).env_remove("XDG_RUNTIME_DIR");
-        command.output().expect("the program starts").into()
+        run_to_end(command.args(arguments).env_remove("XDG_RUNTIME_DIR"))
     };
     let is_root = Command::new("id")
         .arg("-u")

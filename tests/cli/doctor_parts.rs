@@ -3,7 +3,7 @@
 use crate::doctor::{check, checks};
 use crate::run;
 #[cfg(target_os = "linux")]
-use crate::{Ended, ademan};
+use crate::{ademan, run_to_end};
 
 #[test]
 fn an_output_that_this_machine_or_this_build_lacks_is_a_finding() {
@@ -58,8 +58,7 @@ fn a_default_socket_that_another_program_has_is_a_finding() {
         command
             .args(arguments)
             .env("XDG_RUNTIME_DIR", folder.path());
-        let ended = Ended::from(command.output().expect("the program starts"));
-        check(&checks(&ended), "outputs").clone()
+        check(&checks(&run_to_end(&mut command)), "outputs").clone()
     };
     assert_eq!(outputs()["status"], "ok");
     let sockets = folder.path().join("ademan");

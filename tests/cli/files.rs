@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::{Ended, file, run, text};
+use super::{file, run, run_to_end, text};
 
 const TYPED: &str = "typist:Hi you";
 
@@ -328,7 +328,7 @@ fn the_examples_of_the_library_run() {
             println!("SKIPPED: {example} is not built; `cargo test` builds it");
             continue;
         }
-        let ended: Ended = Command::new(program).output().unwrap().into();
+        let ended = run_to_end(&mut Command::new(program));
         assert_eq!(ended.done().out.lines().count(), lines, "{example}");
     }
 }

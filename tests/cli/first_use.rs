@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use super::{Ended, ademan, file, run, text};
+use super::{Ended, ademan, file, run, run_to_end, text};
 use crate::support::binary::copy_binary;
 
 #[test]
@@ -322,9 +322,7 @@ fn new_files_go_to_the_standard_output_on_request() {
     let folder = tempfile::tempdir().unwrap();
     let printed = |arguments: &str| {
         let mut command = ademan(arguments.split(' '));
-        Ended::from(command.current_dir(folder.path()).output().unwrap())
-            .done()
-            .out
+        run_to_end(command.current_dir(folder.path())).done().out
     };
     let root = env!("CARGO_MANIFEST_DIR");
     let shipped = |path: &str| std::fs::read_to_string(format!("{root}/{path}")).unwrap();
@@ -366,7 +364,7 @@ fn the_unit_is_written_to_its_folder_for_the_program_that_writes_it() {
             .env("HOME", folder.path())
             .env_remove("XDG_DATA_HOME")
             .env("XDG_CONFIG_HOME", folder.path().join("config"));
-        Ended::from(command.output().unwrap())
+        run_to_end(&mut command)
     };
     let written = folder.path().join("config/systemd/user/ademan.service");
     let ended = install("unit").done();
@@ -412,7 +410,7 @@ fn a_file_of_a_person_needs_an_absolute_folder() {
             .current_dir(folder.path())
             .env("HOME", "home")
             .env("XDG_CONFIG_HOME", config);
-        Ended::from(command.output().unwrap())
+        run_to_end(&mut command)
     };
     let refused = install(Path::new("config")).exited(2);
     refused.reported("set HOME");
@@ -436,7 +434,7 @@ fn a_unit_names_a_program_with_any_letters_and_the_next_command_works() {
             .env("HOME", &home)
             .env_remove("XDG_RUNTIME_DIR")
             .env("XDG_CONFIG_HOME", home.join("my config"));
-        Ended::from(command.output().unwrap())
+        run_to_end(&mut command)
     };
     let unit = home.join("my config/systemd/user/ademan.service");
     for (name, start, stop) in [

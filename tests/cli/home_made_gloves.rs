@@ -13,14 +13,14 @@ use tempfile::TempDir;
 use crate::support::home_made_glove::{BUILD, Build, Wearer};
 use crate::support::process::Process;
 use crate::text_line::pressed_keys;
-use crate::{ademan, file, run};
+use crate::{Ended, ademan, file, run, run_in};
 
-/// Runs `ademan calibrate` in a folder, and takes the poses that it asks for. Returns the exit code, the output and the errors.
-fn calibrate(wearer: &Wearer, folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
+/// Runs `ademan calibrate` in a folder, and takes the poses that it asks for.
+fn calibrate(wearer: &Wearer, folder: &TempDir, arguments: &[&str]) -> Ended {
     let source = format!("serial:{}?protocol=lucidgloves", wearer.port());
     let mut command = ademan(["calibrate", "--countdown", "0.5", "--source", &source]);
     command.args(arguments).current_dir(folder.path());
-    wearer.pose_for(command)
+    wearer.pose_for(command).into()
 }
 
 fn read_glove(folder: &TempDir, name: &str) -> Glove {
@@ -86,29 +86,24 @@ fn assert_usable(folder: &TempDir, name: &str, build: &Build) {
 fn a_glove_that_sends_five_curls_is_calibrated_and_types_with_its_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let wearer = Wearer::start(BUILD);
-    let (code, out, errors) = calibrate(&wearer, &folder, &["--out", "mine"]);
-    assert_eq!(code, 0, "{errors}");
-    let score = out.lines().find_map(|line| line.strip_prefix("score "));
+    let ended = calibrate(&wearer, &folder, &["--out", "mine"]).done();
+    let score = ended
+        .out
+        .lines()
+        .find_map(|line| line.strip_prefix("score "));
     let score = score.and_then(|line| line.strip_suffix(" of 100"));
     let score: u8 = score.expect("a score").parse().expect("a number");
     assert!(score > 60, "{score}");
-    assert!(out.contains("index-mcp-abduction      not sent"), "{out}");
-    assert!(
-        out.contains("(middle-mcp-flexion) counts the other way"),
-        "{out}"
-    );
-    assert!(!out.contains("dead"), "{out}");
-    let next = "use it: ademan run --glove mine.ron --source 'serial:";
-    assert!(out.contains(next), "{out}");
-    assert!(
-        out.contains("' --layout chords-bend\n"),
-        "it measures no arm: {out}"
-    );
+    ended.printed("index-mcp-abduction      not sent");
+    ended.printed("(middle-mcp-flexion) counts the other way");
+    assert!(!ended.out.contains("dead"), "{}", ended.out);
+    ended.printed("use it: ademan run --glove mine.ron --source 'serial:");
+    // It measures no arm.
+    ended.printed("' --layout chords-bend\n");
     assert_usable(&folder, "mine.ron", &BUILD);
     // The recording knows what was not sent.
     let again = ["calibrate", "--from", "mine.mcap", "--out", "again.ron"];
-    let again = ademan(again).current_dir(folder.path()).output();
-    assert!(again.expect("it starts").status.success());
+    run_in(folder.path(), again).done();
     let text = |name| fs::read(folder.path().join(name)).expect("a file");
     assert_eq!(text("again.ron"), text("mine.ron"));
 }
@@ -121,10 +116,10 @@ fn a_channel_that_is_sent_and_never_changes_is_dead() {
         ..BUILD
     };
     let wearer = Wearer::start(build);
-    let (code, _, errors) = calibrate(&wearer, &folder, &["--out", "mine"]);
-    assert_eq!(code, 1, "{errors}");
+    let ended = calibrate(&wearer, &folder, &["--out", "mine"]).exited(1);
     let reason = "channel 6 (index-mcp-abduction) stays at 2047 in every pose: the sensor is dead";
-    assert!(errors.contains(reason), "{errors}");
+    ended.reported(reason);
+    let errors = &ended.err;
     assert!(!errors.contains("channel 7"), "it was not sent: {errors}");
     assert!(!folder.path().join("mine.ron").exists());
 }
@@ -138,8 +133,7 @@ fn exchanged_sensors_of_fingers_are_found_put_right_and_typed_with() {
         ..BUILD
     };
     let wearer = Wearer::start(build.clone());
-    let (code, out, errors) = calibrate(&wearer, &folder, &["--fingers", "--out", "mine"]);
-    assert_eq!(code, 0, "{errors}");
+    let ended = calibrate(&wearer, &folder, &["--fingers", "--out", "mine"]).done();
     for expected in [
         "pose 10 of 10: little-bent: bend only the little finger",
         "thumb    10, 11, 12\n",
@@ -149,8 +143,9 @@ fn exchanged_sensors_of_fingers_are_found_put_right_and_typed_with() {
         "little   27, 28, 29\n",
         "exchanged sensors: the new file has each at the finger that it follows\n",
     ] {
-        assert!(out.contains(expected), "no {expected}:\n{out}");
+        ended.printed(expected);
     }
+    let out = &ended.out;
     assert!(!out.contains("--fingers"), "it was done: {out}");
     assert_usable(&folder, "mine.ron", &build);
     // From the new file on, and from the recording, each sensor is at its finger.
@@ -158,13 +153,11 @@ fn exchanged_sensors_of_fingers_are_found_put_right_and_typed_with() {
     let mut again = ademan(["calibrate", "--fingers", "--countdown", "0.5"]);
     again.args(["--source", &source, "--glove", "mine.ron", "--out", "again"]);
     again.current_dir(folder.path());
-    let (again_code, again_out, again_errors) = wearer.pose_for(again);
-    assert_eq!(again_code, 0, "{again_errors}");
-    assert!(again_out.contains("ring     19, 20, 21\n"), "{again_out}");
-    assert!(!again_out.contains("exchanged sensors"), "{again_out}");
+    let posed = Ended::from(wearer.pose_for(again)).done();
+    posed.printed("ring     19, 20, 21\n");
+    assert!(!posed.out.contains("exchanged sensors"), "{}", posed.out);
     let kept = ["calibrate", "--from", "mine.mcap", "--out", "kept.ron"];
-    let kept = ademan(kept).current_dir(folder.path()).output();
-    assert!(kept.expect("it starts").status.success());
+    run_in(folder.path(), kept).done();
     let text = |name| fs::read(folder.path().join(name)).expect("a file");
     assert_eq!(text("kept.ron"), text("mine.ron"));
 }
@@ -178,14 +171,13 @@ fn the_channels_of_a_glove_that_sends_five_curls_are_found() {
         ..BUILD
     };
     let wearer = Wearer::start(build.clone());
-    let (code, out, errors) = calibrate(&wearer, &folder, &["--discover", "--out", "found"]);
-    assert_eq!(code, 0, "{errors}");
-    assert!(!out.contains("not clear"), "{out}");
+    let ended = calibrate(&wearer, &folder, &["--discover", "--out", "found"]).done();
+    assert!(!ended.out.contains("not clear"), "{}", ended.out);
     let next = format!(
         "next: ademan calibrate --glove found.ron --source 'serial:{}?protocol=lucidgloves",
         wearer.port()
     );
-    assert!(out.contains(&next), "{out}");
+    ended.printed(&next);
     let glove = read_glove(&folder, "found.ron");
     let channels = |finger| {
         let rows = glove.map.rows().iter();
@@ -212,11 +204,7 @@ fn home_made_gloves_are_shown_without_a_glove() {
     ] {
         let folder = tempfile::tempdir().expect("a folder");
         let demo = ["calibrate", "--demo", "--demo-glove", kind, "--out", "mine"];
-        let ended = ademan(demo)
-            .current_dir(folder.path())
-            .output()
-            .expect("it starts");
-        let ended = crate::Ended::from(ended).done();
+        let ended = run_in(folder.path(), demo).done();
         println!("{kind}\n{}", ended.out);
         assert!(ended.out.contains(expected), "{kind}: {}", ended.out);
         assert_eq!(ended.out.contains("dead"), kind == "dead", "{}", ended.out);
@@ -234,11 +222,7 @@ fn home_made_gloves_are_shown_without_a_glove() {
         "--out",
         "found",
     ];
-    let ended = ademan(demo)
-        .current_dir(folder.path())
-        .output()
-        .expect("it starts");
-    crate::Ended::from(ended).done();
+    run_in(folder.path(), demo).done();
     assert_eq!(read_glove(&folder, "found.ron").map.rows().len(), 15);
 }
 
@@ -246,16 +230,13 @@ fn home_made_gloves_are_shown_without_a_glove() {
 fn exchanged_sensors_are_shown_without_a_glove() {
     let folder = tempfile::tempdir().expect("a folder");
     let demo = ["calibrate", "--demo", "--demo-glove", "swapped"];
-    let ended = ademan(demo.into_iter().chain(["--fingers", "--out", "mine"]))
-        .current_dir(folder.path())
-        .output()
-        .expect("it starts");
-    let out = crate::Ended::from(ended).done().out;
+    let demo = demo.into_iter().chain(["--fingers", "--out", "mine"]);
+    let ended = run_in(folder.path(), demo).done();
     for expected in [
         "middle   23, 24, 25 (starting glove: ring)\n",
         "ring     19, 20, 21 (starting glove: middle)\n",
     ] {
-        assert!(out.contains(expected), "no {expected}:\n{out}");
+        ended.printed(expected);
     }
 }
 

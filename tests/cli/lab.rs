@@ -249,11 +249,8 @@ fn the_figures_are_printed_although_a_result_cannot_be_written() {
 pub fn run_with_small_files(arguments: &[&str]) -> super::Ended {
     let script = "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"";
     let mut shell = std::process::Command::new("bash");
-    let ended = shell
-        .args(["-c", script, env!("CARGO_BIN_EXE_ademan")])
-        .args(arguments)
-        .output();
-    ended.expect("the shell starts").into()
+    shell.args(["-c", script, env!("CARGO_BIN_EXE_ademan")]);
+    super::run_to_end(shell.args(arguments))
 }
 
 #[test]

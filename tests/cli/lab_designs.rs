@@ -4,7 +4,7 @@
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Command, Stdio};
 
-use super::{ademan, file, run, text};
+use super::{ademan, file, run, run_in, text};
 
 /// Keys in a bad order for phrases of 1 and 2.
 const PAD: &str = r#"// The order is mine.
@@ -180,9 +180,8 @@ fn only_the_file_of_the_layout_itself_is_overwritten() {
     // The name stands for the layout that comes with the program, and not for this file.
     let notes = file(&folder, "qwerty-flat", "my notes");
     let start = improve("qwerty-flat", &phrases, "6", "3");
-    let mut command = ademan([&start[..], &["--steps", "2", "--overwrite"]].concat());
-    let ended = command.current_dir(folder.path()).output();
-    let ended = super::Ended::from(ended.expect("the program starts")).exited(2);
+    let command = [&start[..], &["--steps", "2", "--overwrite"]].concat();
+    let ended = run_in(folder.path(), command).exited(2);
     ended.reported("comes with the program and cannot be overwritten");
     let kept = std::fs::read_to_string(notes).expect("the file");
     assert_eq!(kept, "my notes");
@@ -390,9 +389,7 @@ fn a_layout_of_the_community_is_imported_checked_and_scored() {
     run(["lab", "import", &grid, "--output", text(&path)]).exited(2);
     // A part of the name behind a point is no extension.
     std::fs::rename(&grid, folder.path().join("grid.v2.txt")).expect("a file");
-    let mut import = ademan(["lab", "import", "grid.v2.txt"]);
-    let unnamed = import.current_dir(folder.path()).output();
-    super::Ended::from(unnamed.expect("the program starts")).done();
+    run_in(folder.path(), ["lab", "import", "grid.v2.txt"]).done();
     assert!(folder.path().join("grid.v2.ron").exists());
     let other = file(
         &folder,

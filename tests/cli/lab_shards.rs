@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use super::{ademan, run, text};
+use super::{ademan, run, run_to_end, text};
 
 const CONDITIONS: [&str; 10] = [
     "--people", "7", "--count", "2", "--tier", "T1", "--seed", "3", "--source", "glove",
@@ -205,16 +205,9 @@ fn a_shard_that_cannot_be_written_says_so_and_the_others_stay() {
     // The limit of the size of files stands for a full disk: both fail in the middle of a write.
     let script = "trap '' XFSZ; ulimit -f 1; exec \"$0\" lab run \"$1\" 1";
     let mut shell = Command::new("bash");
-    let ended = shell
-        .args(["-c", script, env!("CARGO_BIN_EXE_ademan"), text(&sweep)])
-        .output()
-        .expect("the shell starts");
-    let error = String::from_utf8(ended.stderr).expect("UTF-8");
-    assert_eq!(ended.status.code(), Some(1), "{error}");
-    assert!(
-        error.contains("run this one again: ademan lab run"),
-        "{error}"
-    );
+    shell.args(["-c", script, env!("CARGO_BIN_EXE_ademan"), text(&sweep)]);
+    let ended = run_to_end(&mut shell).exited(1);
+    ended.reported("run this one again: ademan lab run");
     assert!(!shard(&sweep, 1).exists());
     assert_eq!(fs::read(shard(&sweep, 0)).expect("scores"), before);
     let left = fs::read_dir(&sweep).expect("the folder").count();

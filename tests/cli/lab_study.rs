@@ -5,7 +5,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
 use super::lab_designs::run_unread;
-use super::{Ended, ademan, file, run, text};
+use super::{Ended, ademan, file, run, run_to_end, text};
 
 fn new(folder: &Path, arguments: &[&str]) -> PathBuf {
     let study = folder.join("study");
@@ -25,7 +25,7 @@ fn add(study: &Path, participant: &str, arguments: &[&str]) -> Ended {
     ];
     let mut command = ademan(start.iter().chain(arguments));
     command.env("XDG_STATE_HOME", study.with_file_name("state"));
-    command.output().expect("the program starts").into()
+    run_to_end(&mut command)
 }
 
 fn report(study: &Path) -> (String, Vec<Vec<String>>) {
@@ -257,7 +257,7 @@ fn practice_sessions_are_added_once() {
     let study = new(folder.path(), &["qwerty-flat", "--count", "1"]);
     let mut practice = ademan(["practice", "--layout", "qwerty-flat", "--text", "hi"]);
     practice.env("XDG_STATE_HOME", folder.path().join("state"));
-    Ended::from(practice.output().expect("the program starts")).done();
+    run_to_end(&mut practice).done();
     let added = add(&study, "P01", &["--practice"]).done();
     added.printed("added 1 practice session of P01");
     let added_again = add(&study, "P01", &["--practice"]).done();

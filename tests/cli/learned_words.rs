@@ -2,13 +2,12 @@
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
-use std::path::Path;
-use std::process::{Output, Stdio};
+use std::process::Stdio;
 
 use crossbeam_channel::Receiver;
 use tempfile::TempDir;
 
-use super::{Ended, ademan};
+use super::{Ended, ademan, run_in};
 use crate::control::events_of;
 use crate::support::process::Process;
 use crate::support::run::{TIMEOUT, line_receiver};
@@ -52,9 +51,8 @@ impl Typing {
     }
 
     fn ctl(&self, command: &str) -> Ended {
-        let mut ctl = ademan(["ctl", "--socket", "c.sock", command]);
-        let output = ctl.current_dir(self.folder.path()).output();
-        output.expect("the program starts").into()
+        let ctl = ["ctl", "--socket", "c.sock", command];
+        run_in(self.folder.path(), ctl)
     }
 
     fn file(&self) -> String {
@@ -68,12 +66,6 @@ fn folder(learned: Option<&str>) -> TempDir {
         fs::write(folder.path().join("me.ron"), text).expect("a file");
     }
     folder
-}
-
-fn typed(folder: &Path, arguments: &[&str]) -> Ended {
-    let mut command = ademan(arguments);
-    let output: Output = command.current_dir(folder).output().expect("it starts");
-    output.into()
 }
 
 #[test]
@@ -127,7 +119,7 @@ fn nothing_is_saved_without_a_file_and_a_file_is_made_where_none_was() {
 fn a_file_that_cannot_be_used_is_named_at_the_start() {
     let damaged = folder(Some("Learned(words: [\"Nuria\",\n  person: (taps: -1))"));
     let arguments = ["run", "--source", "typist:a", "--learned", "me.ron"];
-    let ended = typed(damaged.path(), &arguments).exited(2);
+    let ended = run_in(damaged.path(), arguments).exited(2);
     ended.reported("me.ron:2:");
     assert!(!ended.err.contains("Nuria"), "{}", ended.err);
     assert_eq!(ended.out, "");
@@ -140,7 +132,7 @@ fn a_replay_reads_slips_to_the_same_words() {
     fs::write(folder.path().join("setup.ron"), setup).expect("a file");
     let source = ["--source", "typist:the cat and nuris of "];
     let arguments = ["run", "setup.ron", "--record", "r.mcap"];
-    let run = typed(folder.path(), &[&arguments[..], &source].concat()).done();
+    let run = run_in(folder.path(), [&arguments[..], &source].concat()).done();
     let typed_keys = events_of(&run.out);
     let corrected = typed_keys
         .iter()
@@ -148,10 +140,10 @@ fn a_replay_reads_slips_to_the_same_words() {
     assert!(corrected, "Nuria has a capital: {}", run.out);
     // The words are in the recording: the file is not read again.
     fs::remove_file(folder.path().join("me.ron")).expect("it is removed");
-    let replay = typed(folder.path(), &["replay", "r.mcap"]).done();
+    let replay = run_in(folder.path(), ["replay", "r.mcap"]).done();
     assert_eq!(events_of(&replay.out), typed_keys);
 
     let plain = ["run", "--layout", "qwerty-flat", "--decoder", "auto"];
-    let other = typed(folder.path(), &[&plain[..], &source].concat()).done();
+    let other = run_in(folder.path(), [&plain[..], &source].concat()).done();
     assert!(!other.out.contains("Shift"), "{}", other.out);
 }

@@ -13,10 +13,10 @@ use ademan::setup::Setup;
 use ademan::time::Timestamp;
 use tempfile::NamedTempFile;
 
-use crate::ademan;
 use crate::control::{ctl, events_of};
 use crate::support::press::{Posture, reading};
 use crate::support::run::{ARMED, MOVE_TIME, Run, postures};
+use crate::{run, run_in};
 
 /// The time for which a finger is stretched.
 const STRETCH_TIME: Duration = Duration::from_millis(1_000);
@@ -97,12 +97,8 @@ fn a_learned_range_is_shown_undone_recorded_and_replayed() {
     run.take(near);
     thread::sleep(MOVE_TIME);
     assert!(run.events.is_empty(), "the finger is above the key");
-    let (code, _, refused) = ctl(&run, &["undo-learning"]);
-    assert_eq!(code, 1, "{refused}");
-    assert!(
-        refused.contains("no range of a sensor was learned"),
-        "{refused}"
-    );
+    let refused = ctl(&run, &["undo-learning"]).exited(1);
+    refused.reported("no range of a sensor was learned");
 
     let mut stretched = near;
     stretched[channel] -= 13;
@@ -116,35 +112,26 @@ fn a_learned_range_is_shown_undone_recorded_and_replayed() {
         thread::sleep(MOVE_TIME);
     }
     let mut seen = vec![run.next_event()];
-    let (_, state, _) = ctl(&run, &["state"]);
-    println!("{state}");
-    let expected = "learned    1 range of sensors, at most";
-    assert!(state.contains(expected), "{state}");
-    assert!(
-        state.contains("(index-mcp-flexion); `ademan ctl undo-learning` undoes it"),
-        "{state}"
-    );
+    let state = ctl(&run, &["state"]).done();
+    println!("{}", state.out);
+    state.printed("learned    1 range of sensors, at most");
+    state.printed("(index-mcp-flexion); `ademan ctl undo-learning` undoes it");
     run.lift();
     seen.push(run.next_event());
 
-    let (undo_code, text, error) = ctl(&run, &["undo-learning"]);
-    println!("$ ademan ctl undo-learning\n{text}{error}");
-    assert_eq!(undo_code, 0, "{error}");
+    let undo = ctl(&run, &["undo-learning"]).done();
+    println!("$ ademan ctl undo-learning\n{}{}", undo.out, undo.err);
     run.wait_for_message(ARMED);
-    let (_, undone, _) = ctl(&run, &["state"]);
+    let undone = ctl(&run, &["state"]).done().out;
     assert!(!undone.contains("learned"), "{undone}");
     run.take(near);
     thread::sleep(MOVE_TIME);
     assert!(run.events.is_empty(), "the finger is above the key again");
-    assert_eq!(ctl(&run, &["stop"]).0, 0);
+    ctl(&run, &["stop"]).done();
     assert_eq!(seen, ["down H", "up H"]);
 
-    let replay = |extra: &[&str]| {
-        let mut command = ademan(["replay", "hand.mcap"]);
-        let output = command.args(extra).current_dir(run.folder.path()).output();
-        String::from_utf8(output.expect("it starts").stdout).expect("it is UTF-8")
-    };
-    let first = replay(&[]);
+    let replay = || run_in(run.folder.path(), ["replay", "hand.mcap"]).out;
+    let first = replay();
     let words = |line: &&str| {
         line.split_whitespace()
             .skip(1)
@@ -153,18 +140,12 @@ fn a_learned_range_is_shown_undone_recorded_and_replayed() {
     };
     let replayed: Vec<String> = events_of(&first).iter().map(words).collect();
     assert_eq!(replayed, seen, "a replay learns the same");
-    assert_eq!(replay(&[]), first);
+    assert_eq!(replay(), first);
 }
 
 #[test]
 fn learning_needs_a_calibrated_glove() {
-    let output = ademan(["run", "--source", "typist:a", "--learn-ranges"]).output();
-    let output = output.expect("it starts");
-    let error = String::from_utf8_lossy(&output.stderr);
-    println!("{error}");
-    assert!(!output.status.success());
-    assert!(
-        error.contains("`learn_ranges` needs a glove with `range_counts`"),
-        "{error}"
-    );
+    let ended = run(["run", "--source", "typist:a", "--learn-ranges"]);
+    assert_ne!(ended.code, Some(0), "{}", ended.err);
+    ended.reported("`learn_ranges` needs a glove with `range_counts`");
 }

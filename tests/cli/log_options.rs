@@ -3,12 +3,11 @@
 use ademan::files::Load;
 use std::fs;
 
-use super::{Ended, ademan, text};
+use super::{Ended, ademan, run_to_end, text};
 
 fn run_with(log: &str, line: &str) -> Ended {
     let mut command = ademan(line.split(' '));
-    command.env("RUST_LOG", log);
-    command.output().expect("the program starts").into()
+    run_to_end(command.env("RUST_LOG", log))
 }
 
 const RUN: &str = "run --source typist:hi";
@@ -72,7 +71,7 @@ fn rust_log_is_honoured_and_an_invalid_one_is_reported() {
         let line = format!("{flags}layout check media");
         let mut command = ademan(line.split(' '));
         command.env("RUST_LOG", log).current_dir(home.path());
-        let ended = Ended::from(command.output().expect("the program starts")).done();
+        let ended = run_to_end(&mut command).done();
         ended.err.contains("comes with the program")
     };
     assert!(reported("", "") && reported("info", ""));

@@ -101,6 +101,7 @@ mod zenoh;
 
 use std::ffi::OsStr;
 use std::io::Write;
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 /// The program on a machine without a desktop.
@@ -163,15 +164,23 @@ impl From<Output> for Ended {
     }
 }
 
+/// Runs a command to its end.
+fn run_to_end(command: &mut Command) -> Ended {
+    command.output().expect("the program starts").into()
+}
+
+/// Runs the program with these arguments.
 fn run(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
-    ademan(arguments)
-        .output()
-        .expect("the program starts")
-        .into()
+    run_to_end(&mut ademan(arguments))
+}
+
+/// Runs the program in a folder.
+fn run_in(folder: &Path, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
+    run_to_end(ademan(arguments).current_dir(folder))
 }
 
 /// A path as an argument.
-fn text(path: &std::path::Path) -> &str {
+fn text(path: &Path) -> &str {
     path.to_str().expect("the path is UTF-8")
 }
 

@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::{Ended, ademan, file, text};
+use super::{Ended, ademan, file, run_to_end, text};
 
 /// The command with a state folder of its own.
 fn practice(state: &Path, arguments: &[&str]) -> Command {
@@ -21,8 +21,7 @@ fn practice(state: &Path, arguments: &[&str]) -> Command {
 }
 
 fn run(state: &Path, arguments: &[&str]) -> Ended {
-    let output = practice(state, arguments).output();
-    output.expect("the program starts").into()
+    run_to_end(&mut practice(state, arguments))
 }
 
 fn json(state: &Path, arguments: &[&str]) -> Value {

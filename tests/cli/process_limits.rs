@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 use crate::support::binary::copy_binary;
 use crate::support::run::shipped;
-use crate::{Ended, ademan};
+use crate::{Ended, ademan, run_to_end};
 
 /// Number of users that this process has made up.
 static USERS: AtomicU32 = AtomicU32::new(0);
@@ -92,8 +92,7 @@ impl User {
     fn run_with(&self, processes: u32, arguments: &[&str]) -> Ended {
         let limit = format!("--nproc={processes}");
         let wrapper = ["prlimit", &limit, "setpriv"];
-        let output = self.command(&wrapper, arguments.iter().copied()).output();
-        output.expect("it starts").into()
+        run_to_end(&mut self.command(&wrapper, arguments.iter().copied()))
     }
 }
 

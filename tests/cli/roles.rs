@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::run_in;
 use crate::support::binary::ademan;
 use crate::support::press::postures;
 use crate::support::process::Process;
@@ -86,12 +87,9 @@ fn a_source_on_the_network_presses_no_keys_and_the_message_explains_how_to_allow
         "1 key suppressed, as the source is only a pointer; `ademan ctl allow-keys`, `--role both` or `role: Both` \
          next to it in the setup lets it type"
     );
-    let ctl = ademan(["ctl", "--socket", "c.sock", "state"])
-        .current_dir(run.folder.path())
-        .output()
-        .expect("the program starts");
-    let ctl = String::from_utf8(ctl.stdout).expect("the program writes UTF-8");
-    assert!(ctl.contains("; 3 suppressed (keys by role)\n"), "{ctl}");
+    let ctl = ["ctl", "--socket", "c.sock", "state"];
+    let printed = run_in(run.folder.path(), ctl).done();
+    printed.printed("; 3 suppressed (keys by role)\n");
     assert_eq!(request(&run, r#"{"command":"stop"}"#)["ok"], true);
     let stats = message_with(&run, " readings: ");
     assert!(stats.ends_with("; suppressed: 3 by `role`"), "{stats}");
@@ -129,9 +127,8 @@ fn a_source_on_the_network_types_between_allow_keys_and_forbid_keys() {
     message_with(&run, "suppressed: 1 by `role`");
     std::fs::write(run.folder.path().join("own.ron"), "Setup(role: Pointer)").expect("a file");
     let replay = |more: &[&str]| {
-        let mut replay = ademan(["replay", "hand.mcap"]);
-        let output = replay.args(more).current_dir(run.folder.path()).output();
-        String::from_utf8(output.expect("it starts").stdout).expect("UTF-8")
+        let replay = ["replay", "hand.mcap"].iter().chain(more);
+        run_in(run.folder.path(), replay).out
     };
     let words = |transcript: &str, word: &str| transcript.matches(word).count();
     let repeated = replay(&[]);
@@ -233,10 +230,8 @@ fn a_source_on_the_network_ends_its_own_pause_but_no_pause_by_a_command() {
         std::iter::repeat_with(next).find(is_wanted)
     };
     let ctl = |word: &str| {
-        let mut ctl = ademan(["ctl", "--socket", "c.sock", word]);
-        let output = ctl.current_dir(folder.path()).output();
-        let output = output.expect("the program starts").stdout;
-        String::from_utf8(output).expect("the program writes UTF-8")
+        let ctl = ["ctl", "--socket", "c.sock", word];
+        run_in(folder.path(), ctl).out
     };
     let by_layout = "paused by a key or gesture of the layout";
     wait_for(by_layout);

@@ -14,7 +14,7 @@ use crate::support::home_made_glove::{BUILD, Wearer};
 use crate::support::process::signal;
 use crate::support::run::postures;
 use crate::view::{screen::Screen, set_terminal};
-use crate::{Ended, ademan, text};
+use crate::{Ended, ademan, run_to_end, text};
 
 /// The command in a folder, which is its state folder and its configuration folder too.
 fn start(folder: &TempDir, arguments: &[&str]) -> Command {
@@ -28,8 +28,7 @@ fn start(folder: &TempDir, arguments: &[&str]) -> Command {
 }
 
 fn run(folder: &TempDir, arguments: &[&str]) -> Ended {
-    let output = start(folder, arguments).output();
-    output.expect("the program starts").into()
+    run_to_end(&mut start(folder, arguments))
 }
 
 fn on_terminal(folder: &TempDir, arguments: &[&str]) -> Screen {
@@ -58,8 +57,8 @@ fn a_glove_of_curls_is_recognized_calibrated_and_gets_a_layout_of_chords() {
     let wearer = Wearer::start(BUILD);
     let port = wearer.port();
     let arguments = ["--yes", "--port", &port, "--countdown", "0.5"];
-    let (code, out, errors) = wearer.pose_for(start(&folder, &arguments));
-    assert_eq!(code, 0, "{errors}");
+    let posed = wearer.pose_for(start(&folder, &arguments));
+    let out = Ended::from(posed).done().out;
     assert!(out.contains("looks like LucidGloves"), "{out}");
     assert!(out.contains("layout: chords-bend"), "{out}");
     // It is the setup of every run without another one.
@@ -267,8 +266,7 @@ fn a_full_or_closed_standard_output_ends_it_without_a_panic() {
     let full = full.expect("a device");
     for (stdout, code) in [(Stdio::from(closed), 0), (Stdio::from(full), 1)] {
         let mut command = start(&folder, &["--simulated", "--no-practice"]);
-        let output = command.stdout(stdout).output();
-        let ended = Ended::from(output.expect("the program starts")).exited(code);
+        let ended = run_to_end(command.stdout(stdout)).exited(code);
         assert!(!ended.err.contains("panicked"), "{}", ended.err);
     }
 }

@@ -6,7 +6,7 @@ use ademan::layout::Glove;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::{ademan, file};
+use crate::{file, run, run_in};
 
 /// Packets of one posture.
 const PACKETS: usize = 120;
@@ -55,25 +55,21 @@ fn packets(right: f64, left: f64) -> Vec<u8> {
 }
 
 /// Writes a setup with these fields of the other hand. Returns the arguments of a command that reads it.
-fn setup(folder: &TempDir, other_hand: &str) -> [String; 2] {
+fn setup(folder: &TempDir, other_hand: &str) -> String {
     let stream = [packets(0.2, 0.2), packets(1.0, 0.2), packets(1.0, 0.8)].concat();
     let source = file(folder, "hands.bin", stream);
     file(folder, "left.ron", left_glove());
     let text = format!(
         "Setup(source: \"file:{source}?protocol=hc11\", smoothing: Off, other_hand: ({other_hand}), layout: \"qwerty-two-flat\")"
     );
-    ["--setup".to_owned(), file(folder, "setup.ron", text)]
+    file(folder, "setup.ron", text)
 }
 
 #[test]
 fn one_converter_carries_the_gloves_of_both_hands() {
     let folder = tempfile::tempdir().expect("a folder");
     let setup = setup(&folder, "glove: \"left.ron\"");
-    let traced = ademan(["trace", "pose"])
-        .args(setup)
-        .current_dir(folder.path())
-        .output();
-    let traced = crate::Ended::from(traced.expect("it starts")).done();
+    let traced = run_in(folder.path(), ["trace", "pose", "--setup", &setup]).done();
     let poses: Vec<Value> = traced
         .out
         .lines()
@@ -102,11 +98,7 @@ fn one_converter_carries_the_gloves_of_both_hands() {
 fn two_gloves_with_the_same_channels_on_one_source_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let setup = setup(&folder, "");
-    let ended = ademan(["trace", "pose"])
-        .args(setup)
-        .current_dir(folder.path())
-        .output();
-    let ended = crate::Ended::from(ended.expect("it starts")).exited(2);
+    let ended = run_in(folder.path(), ["trace", "pose", "--setup", &setup]).exited(2);
     ended.reported("`other_hand` has no `source`, and both gloves have channel 4 of the first one");
     assert_eq!(ended.out, "");
 }
@@ -116,8 +108,7 @@ fn two_simulated_persons_move_one_hand_each() {
     let folder = tempfile::tempdir().expect("a folder");
     let text = "Setup(source: \"typist:jump\", other_hand: (source: \"typist:sad\"), layout: \"qwerty-two-flat\", output: \"transcript\")";
     let setup = file(&folder, "setup.ron", text);
-    let ended = ademan(["run", &setup, "--control", "off", "--armed"]).output();
-    let ended = crate::Ended::from(ended.expect("it starts")).done();
+    let ended = run(["run", &setup, "--control", "off", "--armed"]).done();
     let keys = |word: &str| -> Vec<String> {
         let downs = ended
             .out

@@ -1,11 +1,9 @@
 //! `ademan webcam` and `ademan bridge webcam`: a hand in front of a camera, with the real bridge.
 
-use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::support::binary::ademan;
 use crate::support::peers::peer;
-use crate::{Ended, file, run, text};
+use crate::{file, run, run_in, run_to_end, text};
 
 const MODELS: &str = "https://ai.google.dev/edge/mediapipe/solutions/vision/";
 
@@ -19,12 +17,6 @@ fn has_python() -> bool {
         println!("SKIPPED: there is no python3");
     }
     found.is_ok()
-}
-
-/// Runs the command in an empty folder, where no model is.
-fn run_in(folder: &Path, arguments: &[&str]) -> Ended {
-    let mut command = ademan(arguments);
-    Ended::from(command.current_dir(folder).output().unwrap())
 }
 
 #[test]
@@ -71,7 +63,7 @@ fn without_a_model_the_message_says_where_it_comes_from_before_python_starts() {
             assert!(ended.err.contains(part), "{arguments:?}: {}", ended.err);
         }
     }
-    let missing = run_in(folder.path(), &["webcam", "--results", "no.json"]).exited(2);
+    let missing = run_in(folder.path(), ["webcam", "--results", "no.json"]).exited(2);
     missing.reported("there is no file no.json");
 }
 
@@ -87,7 +79,7 @@ fn the_bridge_loads_no_module_of_the_working_folder() {
     }
     let results = file(&folder, "results.json", "{\"samples\":[{}]}");
     let arguments = ["bridge", "webcam", "--run", "--results", &results];
-    let played = run_in(folder.path(), &arguments).done();
+    let played = run_in(folder.path(), arguments).done();
     assert_eq!(played.out.lines().count(), 1, "{}", played.out);
     assert!(played.out.starts_with("{\"time_us\":"), "{}", played.out);
 }
@@ -141,7 +133,7 @@ fn a_python_that_the_system_manages_gets_an_environment_for_the_packages() {
     let command = || {
         let mut python = Command::new("python3");
         python.args(["-c", script, bridge, text(folder.path())]);
-        Ended::from(python.output().unwrap()).done().out
+        run_to_end(&mut python).done().out
     };
     assert!(command().contains("-m pip install"), "{}", command());
     file(&folder, "EXTERNALLY-MANAGED", "");

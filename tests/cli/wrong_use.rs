@@ -1,6 +1,6 @@
 //! Messages and exit codes for wrong use: what failed, why, what to do; exit code 2.
 
-use super::{Ended, ademan, file, run};
+use super::{ademan, file, run, run_to_end};
 
 /// Runs a command line and asserts the exit code 2 and parts of the message.
 fn refused(line: &str, words: &[&str]) {
@@ -133,7 +133,7 @@ fn a_program_built_for_x11_refuses_a_wayland_session() {
     // There might be an X server beside the compositor.
     run.env("WAYLAND_DISPLAY", "/nowhere/wayland-0")
         .env("DISPLAY", ":0");
-    let ended = Ended::from(run.output().expect("it starts")).exited(2);
+    let ended = run_to_end(&mut run).exited(2);
     let words = if !ademan::output::SUPPORTS_WAYLAND {
         "was built for X11, whose keys do not reach Wayland programs; build it with \
               `--features wayland`, or use the output `uinput`; to type only in X11 programs, unset \
@@ -401,7 +401,7 @@ fn all_layouts_are_checked_even_after_an_invalid_one() {
 
 #[test]
 fn the_program_without_arguments_prints_its_help() {
-    let ended = Ended::from(ademan([""; 0]).output().unwrap()).exited(2);
+    let ended = run([""; 0]).exited(2);
     ended.reported("Start with `ademan demo`");
 }
 

@@ -1,7 +1,7 @@
 //! A glove as people make them, with a rule of its own, on a pseudo-terminal.
 
 use std::io::{BufRead, BufReader, Read, Write};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
@@ -149,8 +149,8 @@ impl Wearer {
         *self.pose.lock().expect("no panic") = bends;
     }
 
-    /// Runs a command that calibrates, and takes the poses that it asks for. Returns the exit code, the output and the errors.
-    pub fn pose_for(&self, mut command: Command) -> (i32, String, String) {
+    /// Runs a command that calibrates, and takes the poses that it asks for.
+    pub fn pose_for(&self, mut command: Command) -> Output {
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut program = Process::start(&mut command).expect("it starts");
         let stdout = program.0.stdout.take().expect("it is piped");
@@ -166,9 +166,12 @@ impl Wearer {
         }
         let mut errors = String::new();
         stderr.read_to_string(&mut errors).expect("text");
-        let status = program.0.wait().expect("it ends");
         println!("{out}{errors}");
-        (status.code().expect("no signal"), out, errors)
+        Output {
+            status: program.0.wait().expect("it ends"),
+            stdout: out.into_bytes(),
+            stderr: errors.into_bytes(),
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::support::peers::peer;
 use crate::text_line::pressed_keys;
-use crate::{Ended, ademan, file, run, text};
+use crate::{file, run, run_in, text};
 
 /// The names of attributes in the vectors, and here.
 const NAMES: [(&str, &str); 11] = [
@@ -189,12 +189,8 @@ fn a_file_of_attributes_or_landmarks_is_named_on_standard_error() {
         );
         assert_eq!(lines(&std::fs::read_to_string(to).unwrap()).len(), 1);
     }
-    let mut command = ademan(["arm", "landmarks", attributes.as_str(), "--output", "-"]);
-    let printed: Ended = command
-        .current_dir(folder.path())
-        .output()
-        .expect("it starts")
-        .into();
+    let print = ["arm", "landmarks", attributes.as_str(), "--output", "-"];
+    let printed = run_in(folder.path(), print);
     assert_eq!(printed.err, "");
     assert_eq!(printed.out, std::fs::read_to_string(&poses).unwrap());
     assert!(!folder.path().join("-").exists());

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::ErrorKind;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
 use crossbeam_channel::RecvTimeoutError;
 
@@ -10,6 +10,7 @@ use crate::support::binary::ademan;
 use crate::support::glove::Glove;
 use crate::support::process::{Process, signal};
 use crate::support::run::{TIMEOUT, line_receiver, postures};
+use crate::{Ended, run_to_end};
 
 const TEXT: &str = "typist:hola y adios";
 
@@ -32,19 +33,21 @@ fn in_shell(shell: &str, before: &str, arguments: &[&str]) -> Command {
     command
 }
 
+/// Runs the program after the commands `before` of a shell.
+fn run_after(before: &str, arguments: &[&str]) -> Ended {
+    run_to_end(&mut in_shell("sh", before, arguments))
+}
+
 /// Returns the events of a run without faults.
 fn events_without_faults() -> String {
-    let output = in_shell("sh", "", &["run", "--source", TEXT]).output();
-    let output = output.expect("the program starts");
-    assert_eq!(output.status.code(), Some(0));
-    events(&output)
+    events(&run_after("", &["run", "--source", TEXT]).done())
 }
 
 /// Returns the transcript without its times.
-fn events(output: &Output) -> String {
-    let text = String::from_utf8_lossy(&output.stdout);
-    let lines: Vec<_> = text.lines().filter_map(|line| line.get(13..)).collect();
-    assert!(!lines.is_empty(), "{output:?}");
+fn events(ended: &Ended) -> String {
+    let lines = ended.out.lines().filter_map(|line| line.get(13..));
+    let lines: Vec<_> = lines.collect();
+    assert!(!lines.is_empty(), "{}", ended.err);
     lines.join("\n")
 }
 
@@ -52,11 +55,9 @@ fn events(output: &Output) -> String {
 fn a_full_closed_or_missing_log_does_not_stop_a_session() {
     let expected = events_without_faults();
     for stderr in ["2>/dev/full", "2>&-", "2>/dev/null"] {
-        let before = format!("exec {stderr};");
-        let output = in_shell("sh", &before, &["run", "--source", TEXT]).output();
-        let output = output.expect("the program starts");
-        assert_eq!(output.status.code(), Some(0), "{stderr}");
-        assert_eq!(events(&output), expected, "{stderr}");
+        let ended = run_after(&format!("exec {stderr};"), &["run", "--source", TEXT]);
+        assert_eq!(ended.code, Some(0), "{stderr}");
+        assert_eq!(events(&ended), expected, "{stderr}");
     }
 }
 
@@ -67,23 +68,18 @@ fn a_log_that_the_disk_has_no_room_for_is_reported_once_and_the_session_goes_on(
     let log = log.to_str().expect("a path");
     // As on a disk that is full.
     let before = "trap '' XFSZ; ulimit -f 0;";
-    let output = in_shell("sh", before, &["run", "--source", TEXT, "--log", log]).output();
-    let output = output.expect("the program starts");
-    let err = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{err}");
-    assert_eq!(events(&output), events_without_faults(), "{err}");
+    let ended = run_after(before, &["run", "--source", TEXT, "--log", log]).done();
+    let err = &ended.err;
+    assert_eq!(events(&ended), events_without_faults(), "{err}");
     let expected = format!("the log {log} is incomplete: File too large");
     assert_eq!(err.matches(&expected).count(), 1, "{err}");
 }
 
 #[test]
 fn a_transcript_that_cannot_be_written_ends_the_session_with_the_reason() {
-    let output = in_shell("sh", "exec >/dev/full;", &["run", "--source", TEXT]).output();
-    let output = output.expect("the program starts");
-    let err = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{err}");
-    assert!(err.contains("No space left"), "{err}");
-    assert!(!err.contains("panicked"), "{err}");
+    let ended = run_after("exec >/dev/full;", &["run", "--source", TEXT]).exited(1);
+    ended.reported("No space left");
+    assert!(!ended.err.contains("panicked"), "{}", ended.err);
 }
 
 #[test]
@@ -92,14 +88,8 @@ fn a_standard_output_that_is_full_is_named() {
     let file = folder.path().join("list");
     let limited = format!("trap '' XFSZ; ulimit -f 0; exec >'{}';", file.display());
     for before in ["exec >/dev/full;", &limited] {
-        let output = in_shell("sh", before, &["layout", "list"]).output();
-        let output = output.expect("the program starts");
-        let err = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{err}");
-        assert!(
-            err.contains("cannot write to the standard output: "),
-            "{err}"
-        );
+        let ended = run_after(before, &["layout", "list"]).exited(1);
+        ended.reported("cannot write to the standard output: ");
     }
 }
 
@@ -113,23 +103,21 @@ fn a_disk_that_fills_under_a_recording_ends_the_recording_and_not_the_typing() {
     let recording = folder.path().join("run.mcap");
     let recording = recording.to_str().expect("a plain path");
     let arguments = ["run", "--source", TEXT, "--record", recording];
-    let output = match in_shell("unshare", &before, &arguments).output() {
+    let ended = match in_shell("unshare", &before, &arguments).output() {
         Err(error) if error.kind() == ErrorKind::NotFound => {
             println!("SKIPPED: no file system of its own: {error}");
             return;
         }
-        output => output.expect("the program starts"),
+        output => Ended::from(output.expect("the program starts")),
     };
-    if output.status.code() == Some(77) || output.stderr.starts_with(b"unshare:") {
-        let err = String::from_utf8_lossy(&output.stderr);
-        println!("SKIPPED: no file system of its own: {err}");
+    if ended.code == Some(77) || ended.err.starts_with("unshare:") {
+        println!("SKIPPED: no file system of its own: {}", ended.err);
         return;
     }
-    let err = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(events(&output), expected, "{err}");
-    assert_eq!(output.status.code(), Some(1), "{err}");
-    assert!(err.contains("No space left"), "{err}");
-    assert!(!err.contains("panicked"), "{err}");
+    assert_eq!(events(&ended), expected, "{}", ended.err);
+    let ended = ended.exited(1);
+    ended.reported("No space left");
+    assert!(!ended.err.contains("panicked"), "{}", ended.err);
     assert!(
         fs::read_dir(folder.path())
             .expect("the folder")
@@ -221,12 +209,9 @@ fn a_recording_that_cannot_be_started_leaves_no_file_that_refuses_the_next_one()
     let [recording, poses] = ["run.mcap", "run.bvh"].map(|name| folder.path().join(name));
     let path = recording.to_str().expect("a path");
     let refused = |before: &str, arguments: &[&str]| {
-        let ended = in_shell("sh", before, arguments).output();
-        let ended = ended.expect("the program starts");
-        let err = String::from_utf8_lossy(&ended.stderr);
-        assert_eq!(ended.status.code(), Some(2), "{err}");
-        assert!(err.contains("cannot create the recording"), "{err}");
-        assert!(!recording.exists(), "{err}");
+        let ended = run_after(before, arguments).exited(2);
+        ended.reported("cannot create the recording");
+        assert!(!recording.exists(), "{}", ended.err);
     };
     let record = ["record", path, "--source", "typist:h"];
     // As on a disk that is full.
@@ -249,30 +234,21 @@ fn a_recording_that_cannot_be_completed_is_reported_beside_the_failure_of_the_so
     let [poses, recording] = ["hand.bvh", "run.mcap"].map(|name| folder.path().join(name));
     let (poses, path) = (poses.to_str(), recording.to_str());
     let (poses, path) = (poses.expect("a path"), path.expect("a path"));
-    let run = |before: &str, arguments: &[&str]| {
-        let ended = in_shell("sh", before, arguments).output();
-        let ended = ended.expect("the program starts");
-        let err = String::from_utf8_lossy(&ended.stderr).into_owned();
-        (ended.status.code(), err)
-    };
     let typed = ["run", "--source", "typist:h", "--output", "none"];
-    let (typed_code, typed_err) = run("", &[&typed[..], &["--record-bvh", poses]].concat());
-    assert_eq!(typed_code, Some(0), "{typed_err}");
+    run_after("", &[&typed[..], &["--record-bvh", poses]].concat()).done();
     let text = fs::read_to_string(poses).expect("a file");
     let last = text.trim_end().rfind('\n').expect("lines");
     fs::write(poses, format!("{}\nno number\n", &text[..last])).expect("a file");
     let source = format!("file:{poses}?protocol=bvh");
     let damaged = ["run", "--source", &source, "--layout", "webcam-qwerty"];
     let recorded = [&damaged[..], &["--output", "none", "--record", path]].concat();
-    let (code, err) = run("", &recorded);
-    assert_eq!(code, Some(3), "{err}");
+    run_after("", &recorded).exited(3);
     let bytes = fs::metadata(path).expect("a recording").len();
     fs::remove_file(path).expect("a recording");
     // As on a disk that is full when the recording is completed.
     let before = format!("trap '' XFSZ; ulimit -f {};", (bytes - 4096) / 512);
-    let (full_code, full) = run(&before, &recorded);
-    assert_eq!(full_code, Some(3), "{full}");
-    assert!(full.contains("is incomplete: File too large"), "{full}");
+    let full = run_after(&before, &recorded).exited(3);
+    full.reported("is incomplete: File too large");
 }
 
 #[test]
@@ -320,23 +296,17 @@ fn an_export_that_the_disk_has_no_room_for_leaves_no_file_that_refuses_the_next_
             "export XDG_STATE_HOME='{}'; {before}",
             state.path().display()
         );
-        let ended = in_shell("sh", &before, arguments).output();
-        let ended = ended.expect("the program starts");
-        let err = String::from_utf8_lossy(&ended.stderr).into_owned();
-        (ended.status.code(), err)
+        run_after(&before, arguments)
     };
-    let (code, err) = practice("", &["practice", "--text", "h"]);
-    assert_eq!(code, Some(0), "{err}");
+    practice("", &["practice", "--text", "h"]).done();
     let history = state.path().join("ademan/practice/sessions.jsonl");
     let result = fs::read_to_string(&history).expect("a result");
     fs::write(&history, result.repeat(40)).expect("results");
     // As on a disk that is full.
-    let (full_code, full) = practice("trap '' XFSZ; ulimit -f 1;", &export);
-    assert_eq!(full_code, Some(2), "{full}");
-    assert!(full.contains("File too large"), "{full}");
-    assert!(!csv.exists(), "{full}");
-    let (again_code, again) = practice("", &export);
-    assert_eq!(again_code, Some(0), "{again}");
+    let full = practice("trap '' XFSZ; ulimit -f 1;", &export).exited(2);
+    full.reported("File too large");
+    assert!(!csv.exists(), "{}", full.err);
+    practice("", &export).done();
 }
 
 #[test]
@@ -347,12 +317,8 @@ fn uinput_without_a_device_node_or_permission_is_refused_with_a_remedy() {
     }
     for output in ["uinput", "desktop,uinput"] {
         let arguments = ["run", "--source", TEXT, "--output", output];
-        let ended = in_shell("sh", "", &arguments)
-            .output()
-            .expect("the program starts");
-        let err = String::from_utf8_lossy(&ended.stderr);
-        assert_eq!(ended.status.code(), Some(2), "{err}");
-        assert!(ended.stdout.is_empty());
+        let Ended { out, err, .. } = run_after("", &arguments).exited(2);
+        assert_eq!(out, "");
         assert_eq!(err.contains("modprobe uinput"), output == "uinput", "{err}");
     }
 }

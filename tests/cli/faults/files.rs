@@ -13,7 +13,7 @@ use ademan::files::Load;
 use ademan::layout::Layout;
 use mcap::records::{MessageHeader, Metadata};
 
-use crate::support::binary::ademan;
+use crate::run;
 use crate::support::run::shipped;
 
 /// Returns a recording with these messages in place of readings.
@@ -173,21 +173,10 @@ fn a_length_of_four_gigabytes_is_refused_before_memory_is_allocated() {
 fn a_damaged_recording_is_played_up_to_the_damage_releases_everything_and_ends_with_3() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("hand.mcap");
-    let run = |arguments: &[&str]| {
-        let output = ademan(arguments).env_remove("XDG_RUNTIME_DIR").output();
-        let output = output.expect("the program starts");
-        let text = |bytes| String::from_utf8(bytes).expect("it writes UTF-8");
-        (
-            output.status.code(),
-            text(output.stdout),
-            text(output.stderr),
-        )
-    };
     let recorded = path.to_str().expect("a plain path");
-    let (code, _, err) = run(&["record", recorded, "--source", "typist:hola"]);
-    assert_eq!(code, Some(0), "{err}");
+    run(["record", recorded, "--source", "typist:hola"]).done();
     let bytes = fs::read(&path).expect("the recording");
-    let (_, whole, _) = run(&["replay", recorded]);
+    let whole = run(["replay", recorded]).out;
     let damaged = |name: &str, content: &[u8]| {
         let file = folder.path().join(name);
         fs::write(&file, content).expect("room");
@@ -197,31 +186,25 @@ fn a_damaged_recording_is_played_up_to_the_damage_releases_everything_and_ends_w
     let mut held = 0;
     for eighths in [3, 4, 5, 6] {
         let cut = damaged("cut.mcap", &bytes[..SCHEMA_BYTES + messages * eighths / 8]);
-        let (cut_code, out, cut_err) = run(&["replay", &cut]);
-        assert_eq!(cut_code, Some(3), "{cut_err}");
-        assert!(cut_err.contains("cut off at byte "), "{cut_err}");
-        held += check_releases(&out, &whole);
+        let ended = run(["replay", &cut]).exited(3);
+        ended.reported("cut off at byte ");
+        held += check_releases(&ended.out, &whole);
     }
     assert!(held > 0, "no key is pressed at a cut");
     let mut broken = bytes.clone();
     broken[SCHEMA_BYTES + messages * 6 / 8] ^= 0x10;
-    let (broken_code, out, broken_err) = run(&["replay", &damaged("broken.mcap", &broken)]);
-    assert_eq!(broken_code, Some(3), "{broken_err}");
-    assert!(broken_err.contains("at byte "), "{broken_err}");
-    let held_at_the_damage = check_releases(&out, &whole);
+    let ended = run(["replay", &damaged("broken.mcap", &broken)]).exited(3);
+    ended.reported("at byte ");
+    let held_at_the_damage = check_releases(&ended.out, &whole);
     assert!(held_at_the_damage > 0, "no key is pressed at the damage");
     for (name, content) in [
         ("empty", &b""[..]),
         ("letter", b"Dear reader"),
         ("version", b"\x89MCAP9\r\n"),
     ] {
-        let (odd_code, odd_out, odd_err) = run(&["replay", &damaged(name, content)]);
-        assert_eq!(
-            (odd_code, odd_out.as_str()),
-            (Some(3), ""),
-            "{name}: {odd_err}"
-        );
-        assert!(odd_err.contains("at byte 0"), "{name}: {odd_err}");
+        let odd = run(["replay", &damaged(name, content)]);
+        assert_eq!((odd.code, &*odd.out), (Some(3), ""), "{name}: {}", odd.err);
+        assert!(odd.err.contains("at byte 0"), "{name}: {}", odd.err);
     }
     assert!(Path::new(recorded).exists());
 }

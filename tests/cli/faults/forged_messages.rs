@@ -6,6 +6,7 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::Ended;
 use crate::control::ctl;
 use crate::support::binary::ademan;
 use crate::support::run::{ARMED, Run, shipped};
@@ -348,22 +349,21 @@ fn a_session_prints_names_of_its_layouts_and_profiles_escaped() {
         (&["save"], PRINTED),
         (&["state", "--json"], r"PWNED \u202eerror"),
     ] {
-        let (_, out, err) = ctl(&run, arguments);
+        let Ended { out, err, .. } = ctl(&run, arguments);
         let context = format!("{arguments:?}");
         judge(&context, out.as_bytes(), MAX_LINE_BYTES);
         judge(&context, err.as_bytes(), MAX_LINE_BYTES);
         let text = out + &err;
         assert!(text.contains(printed), "{context}: {text}");
     }
-    let (_, state, _) = ctl(&run, &["state", "--json"]);
+    let state = ctl(&run, &["state", "--json"]).out;
     let state: Value = serde_json::from_str(&state).expect("JSON");
     assert_eq!(
         (&state["profile"], &state["layout"]),
         (&PROFILE.into(), &layout.into())
     );
     std::fs::write(layout, "Layout(").expect("a file");
-    let (_, _, err) = ctl(&run, &["reload"]);
-    assert!(err.contains(PRINTED), "{err}");
+    ctl(&run, &["reload"]).reported(PRINTED);
     ctl(&run, &["stop"]);
     run.program.0.wait().expect("it ends");
     judge_output(

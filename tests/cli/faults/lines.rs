@@ -14,6 +14,7 @@ use crate::support::glove::Glove;
 use crate::support::press::Press;
 use crate::support::run::start_with_lines;
 use crate::support::wearer::packets;
+use crate::{Ended, run};
 
 #[test]
 fn a_second_run_on_the_same_port_is_refused_at_once_and_the_first_goes_on() {
@@ -21,14 +22,9 @@ fn a_second_run_on_the_same_port_is_refused_at_once_and_the_first_goes_on() {
     let press = Press::for_text("h");
     let mut first = SerialRun::start(&line, &["--armed", "--control", "off"]);
     let source = line.source();
-    let second = ademan(["run", "--source", &source, "--control", "off"])
-        .env_remove("XDG_RUNTIME_DIR")
-        .output()
-        .expect("the program starts");
-    let err = String::from_utf8_lossy(&second.stderr);
-    assert_eq!(second.status.code(), Some(2), "{err}");
-    assert!(err.contains("in use by another program"), "{err}");
-    assert_eq!(err.lines().count(), 1, "one message: {err}");
+    let second = run(["run", "--source", &source, "--control", "off"]).exited(2);
+    second.reported("in use by another program");
+    assert_eq!(second.err.lines().count(), 1, "one message: {}", second.err);
     line.play(&press.approach);
     line.play(&press.lift);
     assert_eq!([first.next_event(), first.next_event()], ["down H", "up H"]);
@@ -66,13 +62,11 @@ fn a_port_without_permission_names_the_group_and_never_asks_for_root() {
         }
         ended => ended,
     };
-    let ended = ended.expect("the program starts");
-    let err = String::from_utf8_lossy(&ended.stderr);
-    assert_eq!(ended.status.code(), Some(2), "{err}");
+    let ended = Ended::from(ended.expect("the program starts")).exited(2);
     for word in ["usermod --append --groups", "$USER"] {
-        assert!(err.contains(word), "{err}");
+        ended.reported(word);
     }
-    assert!(!err.contains("as root"), "{err}");
+    assert!(!ended.err.contains("as root"), "{}", ended.err);
 }
 
 #[test]

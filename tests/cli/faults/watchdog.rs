@@ -4,6 +4,7 @@ use std::io::Write;
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 
+use crate::run_to_end;
 use crate::support::binary::ademan;
 
 #[test]
@@ -13,8 +14,6 @@ fn the_watchdog_of_a_program_that_ends_while_it_starts_ends_without_a_message() 
     program.write_all(b"u\0\0\0\0\0").expect("a message");
     drop(program);
     let mut command = ademan(["watchdog"]);
-    let ended = command.stdin(OwnedFd::from(watchdog)).output();
-    let ended = ended.expect("the program starts");
-    assert_eq!(String::from_utf8_lossy(&ended.stderr), "");
-    assert_eq!(ended.status.code(), Some(0));
+    let ended = run_to_end(command.stdin(OwnedFd::from(watchdog))).done();
+    assert_eq!(ended.err, "");
 }

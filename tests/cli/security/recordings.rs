@@ -17,7 +17,7 @@ use crate::support::press::x11_code;
 use crate::support::process::Process;
 use crate::support::program::Program;
 use crate::support::x11::XServer;
-use crate::text;
+use crate::{Ended, text};
 
 const SYSTEM_CHORDS: &str = include_str!("../../scenarios/system-chords.ron");
 
@@ -59,8 +59,8 @@ fn record(folder: &TempDir, layout: &str, script: &str, recorded: &RecordedSetup
     path
 }
 
-/// Runs `ademan replay`. Returns its exit code, its output and its messages; panics if it hangs.
-fn replay(path: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+/// Runs `ademan replay`. Panics if it hangs.
+fn replay(path: &Path, arguments: &[&str]) -> Ended {
     let folder = path.parent().expect("a folder");
     let [out, err] = ["out", "err"].map(|name| folder.join(name));
     let mut command = ademan(["replay", text(path)]);
@@ -70,9 +70,9 @@ fn replay(path: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
         .stdout(fs::File::create(&out).expect("a file"))
         .stderr(fs::File::create(&err).expect("a file"));
     let mut process = Process::start(&mut command).expect("it starts");
-    let status = process.wait_for_exit();
+    let code = process.wait_for_exit().code();
     let [out, err] = [out, err].map(|file| fs::read_to_string(file).expect("UTF-8"));
-    (status.code(), out, err)
+    Ended { code, out, err }
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn no_file_is_opened_because_a_recording_names_it() {
             let recorded = RecordedSetup::default().with("setup", "setup", &setup);
             let path = record(&folder, SYSTEM_CHORDS, "tap Delete", &recorded);
             for output in ["transcript", "desktop"] {
-                let (code, out, err) = replay(&path, &["--output", output]);
+                let Ended { code, out, err } = replay(&path, &["--output", output]);
                 assert_eq!(code, Some(2), "{setup}: {err}");
                 let expected = format!("the recording names this {kind} but does not contain it");
                 assert!(err.contains(&expected), "{setup}: {err}");
@@ -118,10 +118,9 @@ fn a_replay_neither_writes_nor_reads_the_layout_file_that_a_recording_names() {
         .with("layout", text(&file), SAVING);
     let script = "tap nudge; tap save; tap reload; tap A";
     let path = record(&folder, SAVING, script, &recorded);
-    let (code, out, err) = replay(&path, &[]);
-    assert_eq!(code, Some(0), "{err}");
-    assert!(out.contains("down A"), "{out}{err}");
-    assert!(!err.contains("active from now on"), "{err}");
+    let ended = replay(&path, &[]).done();
+    ended.printed("down A");
+    assert!(!ended.err.contains("active from now on"), "{}", ended.err);
     let after = fs::read_to_string(&file).expect("the file");
     assert_eq!(after, SAVING, "the recording has changed a file");
 }
@@ -143,15 +142,10 @@ fn a_layout_with_system_keys_is_refused_for_an_output_that_types() {
     let folder = tempfile::tempdir().expect("a folder");
     let layout = SAVING.replace("code: \"A\"", "code: \"MetaLeft\"");
     let path = record(&folder, &layout, "tap MetaLeft", &greedy(&layout));
-    let (code, out, err) = replay(&path, &["--output", "transcript"]);
-    assert_eq!(code, Some(0), "{err}");
-    assert!(out.contains("down MetaLeft"), "{out}");
-    let (desktop_code, _, desktop_err) = replay(&path, &["--output", "desktop"]);
-    assert_eq!(desktop_code, Some(2), "{desktop_err}");
-    assert!(
-        desktop_err.contains("the key `MetaLeft` acts on the system"),
-        "{desktop_err}"
-    );
+    let transcript = replay(&path, &["--output", "transcript"]).done();
+    transcript.printed("down MetaLeft");
+    let desktop = replay(&path, &["--output", "desktop"]).exited(2);
+    desktop.reported("the key `MetaLeft` acts on the system");
 }
 
 #[test]

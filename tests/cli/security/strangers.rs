@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 use crate::support::binary::{NO_FOLDER, copy_binary};
 use crate::support::run::{MOVE_TIME, Run, TIMEOUT, shipped};
-use crate::{Ended, ademan, text};
+use crate::{Ended, ademan, run_to_end, text};
 
 pub(super) const NOBODY: u32 = 65_534;
 
@@ -38,7 +38,7 @@ impl Place {
             .env("XDG_STATE_HOME", self.at("state"))
             .env("XDG_CONFIG_HOME", self.at("config"))
             .current_dir(self.0.path());
-        command.output().expect("the program starts").into()
+        run_to_end(&mut command)
     }
 
     /// Runs the program, which refuses for this reason.

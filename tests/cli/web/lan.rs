@@ -362,7 +362,7 @@ mod refusals {
         command
             .env("XDG_CONFIG_HOME", home.path())
             .env("XDG_STATE_HOME", home.path());
-        let ended: crate::Ended = command.output().expect("it starts").into();
+        let ended = crate::run_to_end(&mut command);
         assert_ne!(ended.code, Some(0));
         let has_token = home.path().join("ademan/network").exists();
         (ended, has_token)

@@ -5,13 +5,12 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 
 use super::serve;
-use crate::{ademan, run, text};
+use crate::{ademan, run, run_to_end, text};
 
 /// Runs the program with a home folder of its own.
 fn run_in(home: &std::path::Path, arguments: &[&str]) -> crate::Ended {
     let mut command = ademan(arguments);
-    command.env("HOME", home).env("XDG_STATE_HOME", home);
-    command.output().expect("the program starts").into()
+    run_to_end(command.env("HOME", home).env("XDG_STATE_HOME", home))
 }
 
 #[test]

@@ -222,8 +222,7 @@ fn a_link_of_the_page_and_one_of_the_program_carry_a_layout() {
     let home = tempfile::tempdir().expect("a folder");
     let mut shown = crate::ademan(["layout", "show", link]);
     shown.env("XDG_STATE_HOME", home.path());
-    let shown: crate::Ended = shown.output().expect("the program starts").into();
-    shown.reported("`Mine, é, QWERTY");
+    crate::run_to_end(&mut shown).reported("`Mine, é, QWERTY");
 
     let shared = run(["layout", "share", "numpad", "--page", &address]).out;
     browser.call("Page.navigate", json!({"url": "about:blank"}));
