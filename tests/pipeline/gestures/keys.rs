@@ -6,7 +6,7 @@ use ademan::hand::{Finger, Side};
 use ademan::time::Timestamp;
 use parry3d::math::Vec2;
 
-use super::{simulate, simulate_keys};
+use super::{assert_events, assert_transcript, simulate_keys};
 use crate::rig::Rig;
 
 const BOARD: &str = "q|1 w|2 e r / shift *shift#S ctrl *ctrl#C / layer1 *layer1#L";
@@ -112,9 +112,10 @@ fn a_layer_changes_the_actions_of_keys_while_it_is_held() {
 fn the_layer_pressed_last_is_active() {
     let script = "thumb layer1 up & index layer2 up & ring q up; thumb layer1 down; index layer2 down; \
              ring q tap; index layer2 up; ring q tap; thumb layer1 up; ring q tap";
-    assert_eq!(
-        simulate_keys("q|1|2 layer1 layer2", script),
-        "dn:2 up:2 dn:1 up:1 dn:Q up:Q"
+    assert_events(
+        "q|1|2 layer1 layer2",
+        script,
+        "dn:2 up:2 dn:1 up:1 dn:Q up:Q",
     );
 }
 
@@ -176,46 +177,35 @@ fn release_all_forgets_one_shots_and_layers() {
 
 #[test]
 fn the_depth_of_an_analog_key_is_emitted_when_it_changes() {
-    assert_eq!(
-        simulate(
-            "~q w",
-            "index q up; index q 1; wait 50; index q 3; index q 9; wait 50; index q up"
-        ),
+    assert_transcript(
+        "~q w",
+        "index q up; index q 1; wait 50; index q 3; index q 9; wait 50; index q up",
         "t:20ms depth:q=0.250 t:55ms dn:Q t:5ms depth:q=0.750 t:10ms depth:q=1.000 \
-         t:55.333ms up:Q t:0.667ms depth:q=0.000"
+         t:55.333ms up:Q t:0.667ms depth:q=0.000",
     );
-    assert_eq!(
-        simulate_keys("~q w", "index w up; index w 3; index w up"),
-        "dn:W up:W"
-    );
+    assert_events("~q w", "index w up; index w 3; index w up", "dn:W up:W");
 }
 
 #[test]
 fn the_depth_of_an_old_press_is_not_emitted_after_release_all() {
-    assert_eq!(
-        simulate_keys(
-            "~q",
-            "index q up; index q 1; release-devices; index q 1.5; index q 0.5; index q up"
-        ),
-        "depth:q=0.250 depth:q=0.000"
+    assert_events(
+        "~q",
+        "index q up; index q 1; release-devices; index q 1.5; index q 0.5; index q up",
+        "depth:q=0.250 depth:q=0.000",
     );
 }
 
 #[test]
 fn the_deepest_finger_on_an_analog_key_counts() {
-    assert_eq!(
-        simulate_keys(
-            "~q",
-            "index q up & middle q 3 0 up; index q 1; middle q 3 0 3; index q 1.5; middle q 3 0 up; release-devices"
-        ),
-        "depth:q=0.250 dn:Q depth:q=0.750 up:Q depth:q=0.375 depth:q=0.000"
+    assert_events(
+        "~q",
+        "index q up & middle q 3 0 up; index q 1; middle q 3 0 3; index q 1.5; middle q 3 0 up; release-devices",
+        "depth:q=0.250 dn:Q depth:q=0.750 up:Q depth:q=0.375 depth:q=0.000",
     );
-    assert_eq!(
-        simulate_keys(
-            "~q",
-            "index q up & middle q 3 0 up; index q 1.5; middle q 3 0 1"
-        ),
-        "depth:q=0.375"
+    assert_events(
+        "~q",
+        "index q up & middle q 3 0 up; index q 1.5; middle q 3 0 1",
+        "depth:q=0.375",
     );
 }
 

@@ -6,7 +6,7 @@ use ademan::hand::{Finger, Side};
 use ademan::time::Timestamp;
 use parry3d::math::Vec2;
 
-use super::{simulate, simulate_keys};
+use super::{assert_events, assert_transcript, simulate, simulate_keys};
 use crate::rig::Rig;
 
 const LOCKS: &str = "q|1 w|2 e r / shift !shift#S *ctrl#C / layer1 !layer1#L !layer0#B *layer2#M";
@@ -73,12 +73,10 @@ fn a_locked_layer_stays_until_its_key_is_tapped_again() {
 
 #[test]
 fn a_one_shot_layer_precedes_a_locked_one() {
-    assert_eq!(
-        simulate_keys(
-            "q|1|2 !layer1#L *layer2#M",
-            "thumb L tap; thumb M tap; index q tap; index q tap"
-        ),
-        "dn:2 up:2 dn:1 up:1"
+    assert_events(
+        "q|1|2 !layer1#L *layer2#M",
+        "thumb L tap; thumb M tap; index q tap; index q tap",
+        "dn:2 up:2 dn:1 up:1",
     );
 }
 
@@ -103,10 +101,11 @@ fn release(script: &str) -> String {
 
 #[test]
 fn a_key_that_fires_on_release_is_tapped_at_the_release() {
-    assert_eq!(
-        simulate(RELEASE, "index q up; index q down; wait 80; index q up"),
+    // 1 mm deep 3 ms into the step up.
+    assert_transcript(
+        RELEASE,
+        "index q up; index q down; wait 80; index q up",
         "t:103ms dn:Q up:Q",
-        "1 mm deep 3 ms into the step up"
     );
     assert_eq!(release("index q up; index q down; wait 500"), "");
     assert_eq!(
@@ -179,19 +178,22 @@ const BOUNCE: &str = "q%50 w";
 #[test]
 fn a_bounce_within_the_debounce_time_is_ignored() {
     let bounce = "index q up; index q 3; index q 0.5; index q 3; index q 0.5; index q 3";
-    assert_eq!(simulate_keys(BOUNCE, bounce), "dn:Q up:Q");
-    assert_eq!(
-        simulate_keys(BOUNCE, &bounce.replace('q', "w")),
-        "dn:W up:W dn:W up:W dn:W"
+    assert_events(BOUNCE, bounce, "dn:Q up:Q");
+    assert_events(
+        BOUNCE,
+        &bounce.replace('q', "w"),
+        "dn:W up:W dn:W up:W dn:W",
     );
-    assert_eq!(
-        simulate_keys(BOUNCE, &format!("{bounce}; wait 50; index q up; index q 3")),
+    // The end of a bounce restarts the debounce time.
+    assert_events(
+        BOUNCE,
+        &format!("{bounce}; wait 50; index q up; index q 3"),
         "dn:Q up:Q",
-        "the end of a bounce restarts the debounce time"
     );
-    assert_eq!(
-        simulate_keys(BOUNCE, &format!("{bounce}; index q up; wait 50; index q 3")),
-        "dn:Q up:Q dn:Q"
+    assert_events(
+        BOUNCE,
+        &format!("{bounce}; index q up; wait 50; index q 3"),
+        "dn:Q up:Q dn:Q",
     );
 }
 
@@ -206,18 +208,21 @@ fn the_debounce_time_runs_from_the_release_to_the_next_press() {
 
 #[test]
 fn the_debounce_time_is_per_key_and_for_every_finger() {
-    assert_eq!(
-        simulate_keys(BOUNCE, "middle q 3 0 up; index q tap; middle q 3 0 down"),
-        "dn:Q up:Q"
+    assert_events(
+        BOUNCE,
+        "middle q 3 0 up; index q tap; middle q 3 0 down",
+        "dn:Q up:Q",
     );
-    assert_eq!(
-        simulate_keys("q%50 e%50", "index q tap; index e tap"),
-        "dn:Q up:Q dn:E up:E"
+    assert_events(
+        "q%50 e%50",
+        "index q tap; index e tap",
+        "dn:Q up:Q dn:E up:E",
     );
-    assert_eq!(
-        simulate_keys(BOUNCE, "index q tap; release-devices; index q tap"),
+    // `release_all` resets it.
+    assert_events(
+        BOUNCE,
+        "index q tap; release-devices; index q tap",
         "dn:Q up:Q dn:Q up:Q",
-        "release_all resets it"
     );
 }
 
@@ -226,16 +231,15 @@ fn the_debounce_time_runs_from_the_end_of_each_press_of_two_fingers() {
     // Both fingers bounce, and the first one stays down for longer than the debounce time.
     let bounces =
         "middle q 3 0 up; index q tap; index q down; middle q 3 0 down; middle q 3 0 up; wait 40";
-    assert_eq!(
-        simulate_keys(BOUNCE, &format!("{bounces}; index q up; index q down")),
-        "dn:Q up:Q"
+    assert_events(
+        BOUNCE,
+        &format!("{bounces}; index q up; index q down"),
+        "dn:Q up:Q",
     );
-    assert_eq!(
-        simulate_keys(
-            BOUNCE,
-            &format!("{bounces}; index q up; wait 50; index q down")
-        ),
-        "dn:Q up:Q dn:Q"
+    assert_events(
+        BOUNCE,
+        &format!("{bounces}; index q up; wait 50; index q down"),
+        "dn:Q up:Q dn:Q",
     );
 }
 
@@ -247,26 +251,29 @@ fn hold(script: &str) -> String {
 
 #[test]
 fn an_early_release_of_a_tap_hold_key_taps() {
-    assert_eq!(
-        simulate(HOLD, "index q up; index q down; wait 180; index q up"),
+    // Pressed at 18 ms, released 185 ms later.
+    assert_transcript(
+        HOLD,
+        "index q up; index q down; wait 180; index q up",
         "t:203ms dn:Q up:Q",
-        "pressed at 18 ms, released 185 ms later"
     );
     assert_eq!(hold("index q tap; index q tap"), "dn:Q up:Q dn:Q up:Q");
 }
 
 #[test]
 fn a_long_press_of_a_tap_hold_key_holds_until_the_release() {
-    assert_eq!(
-        simulate(HOLD, "index q up; index q down; wait 300; index q up"),
+    // Pressed at 18 ms, held 200 ms later.
+    assert_transcript(
+        HOLD,
+        "index q up; index q down; wait 300; index q up",
         "t:218ms dn:ShiftLeft t:105ms up:ShiftLeft",
-        "pressed at 18 ms, held 200 ms later"
     );
     assert_eq!(hold("index r up; index r down; wait 300"), "dn:X");
-    assert_eq!(
-        simulate_keys("q>*shift", "index q up; index q down; wait 300; index q up"),
+    // Regardless of its latch.
+    assert_events(
+        "q>*shift",
+        "index q up; index q down; wait 300; index q up",
         "dn:ShiftLeft up:ShiftLeft",
-        "regardless of its latch"
     );
 }
 

@@ -1,6 +1,6 @@
 //! Chords: keys with another action when they are pressed together.
 
-use super::simulate_layout;
+use super::{assert_layout_events, simulate_layout};
 use crate::rig::Rig;
 
 const KEYS: &str = r#"rows: [(at_mm: (0, 0), keys: "J K L A", pitch_mm: 30)],
@@ -174,6 +174,6 @@ fn a_chord_is_in_the_layer_of_a_tap_hold_key_that_it_turns_into_a_hold() {
     for in_base_layer in [r#"chords: [(keys: "J K", action: Key("Escape"))],"#, ""] {
         let in_layer = r#"layers: [(name: "move", chords: [(keys: "J K", action: Key("Home"))])]"#;
         let fields = format!("{in_base_layer} {in_layer}");
-        assert_eq!(simulate_layout(keys, &fields, script), "dn:Home up:Home");
+        assert_layout_events(keys, &fields, script, "dn:Home up:Home");
     }
 }

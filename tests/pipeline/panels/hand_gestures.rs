@@ -3,7 +3,7 @@
 use ademan::hand::{Dof, Finger};
 use ademan::layout::Layout;
 
-use super::simulate_layout;
+use super::{assert_layout_events, simulate_layout};
 
 const BOARD: &str = r#"keys: [(code: "A", at_mm: (0, 0))]"#;
 const CLAW: &str = r#"triggers: [(name: "Claw", action: Key("X"), TIMES
@@ -145,9 +145,11 @@ fn a_fist_is_held_until_the_hand_opens() {
         bend_all(Finger::ALL, 80),
         bend_all(&[Finger::Ring], 20),
     );
-    assert_eq!(
-        simulate_layout(BOARD, FIST, &script),
-        "dn:X value:Fist=1.000 up:X value:Fist=0.000"
+    assert_layout_events(
+        BOARD,
+        FIST,
+        &script,
+        "dn:X value:Fist=1.000 up:X value:Fist=0.000",
     );
 }
 
@@ -159,19 +161,18 @@ fn a_finger_that_is_not_measured_or_not_trusted_makes_no_fist() {
         bend_all(fingers, 20),
         bend_all(fingers, 80)
     );
-    assert_eq!(
-        simulate_layout(BOARD, FIST, &script),
-        "",
-        "the thumb is unknown"
-    );
+    // The thumb is unknown.
+    assert_layout_events(BOARD, FIST, &script, "");
     let doubted = format!(
         "{}; wait 50; {}; wait 100; doubt little; trust little; wait 500",
         bend_all(Finger::ALL, 20),
         bend_all(Finger::ALL, 80),
     );
-    assert_eq!(
-        simulate_layout(BOARD, FIST, &doubted),
-        "dn:X value:Fist=1.000 up:X value:Fist=0.000"
+    assert_layout_events(
+        BOARD,
+        FIST,
+        &doubted,
+        "dn:X value:Fist=1.000 up:X value:Fist=0.000",
     );
 }
 
@@ -184,10 +185,7 @@ fn an_outlier_of_one_reading_does_not_end_a_shape() {
         bend_all(&[Finger::Ring], 10),
         bend_all(&[Finger::Ring], 80),
     );
-    assert_eq!(
-        simulate_layout(BOARD, FIST, &script),
-        "dn:X value:Fist=1.000"
-    );
+    assert_layout_events(BOARD, FIST, &script, "dn:X value:Fist=1.000");
 }
 
 #[test]

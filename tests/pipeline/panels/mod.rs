@@ -46,6 +46,19 @@ fn simulate_layout(controls: &str, fields: &str, script: &str) -> String {
     Rig::with_fields(controls, fields).run(script).events()
 }
 
+/// Asserts that a script on one flat board has these events.
+#[track_caller]
+fn assert_events(controls: &str, script: &str, expected: &str) {
+    assert_eq!(simulate(controls, script), expected, "{script}");
+}
+
+/// Asserts that a script on one flat board with further fields of the layout has these events.
+#[track_caller]
+fn assert_layout_events(controls: &str, fields: &str, script: &str, expected: &str) {
+    let events = simulate_layout(controls, fields, script);
+    assert_eq!(events, expected, "{script}");
+}
+
 /// Returns `LINE:COLUMN: message` of the error in a layout.
 fn refusal_of(layout: &str) -> String {
     let error = Layout::parse(layout, "t.ron")

@@ -20,6 +20,11 @@ fn play(fields: &str, script: &str) -> String {
     pointer(&format!("{WRIST}, {fields}")).run(&script).events()
 }
 
+#[track_caller]
+fn assert_events(fields: &str, script: &str, expected: &str) {
+    assert_eq!(play(fields, script), expected, "{script}");
+}
+
 #[test]
 fn fingers_that_pinch_move_a_cursor_that_follows_their_tip_and_not_one_that_follows_the_knuckle() {
     // The index finger bends before the pinch is near, and the cursor may move from the first moment of a click.
@@ -43,71 +48,60 @@ fn fingers_that_pinch_move_a_cursor_that_follows_their_tip_and_not_one_that_foll
 
 #[test]
 fn a_pinch_is_a_button_with_hysteresis() {
-    assert_eq!(
-        play(
-            PINCHES,
-            "open; tip index 26 0 0; tip index 24 0 0; tip index 29 0 0; tip index 31 0 0"
-        ),
-        "dn:MouseLeft up:MouseLeft"
+    assert_events(
+        PINCHES,
+        "open; tip index 26 0 0; tip index 24 0 0; tip index 29 0 0; tip index 31 0 0",
+        "dn:MouseLeft up:MouseLeft",
     );
-    assert_eq!(
-        play(PINCHES, "open; tip middle 20 0 0; open"),
-        "dn:MouseRight up:MouseRight"
+    assert_events(
+        PINCHES,
+        "open; tip middle 20 0 0; open",
+        "dn:MouseRight up:MouseRight",
     );
 }
 
 #[test]
 fn only_the_finger_nearest_to_the_thumb_pinches() {
-    assert_eq!(
-        play(
-            PINCHES,
-            "open; tip index 15 0 0 & tip middle 0 20 0; tip middle 0 10 0; wait 100; open"
-        ),
-        "dn:MouseLeft up:MouseLeft"
-    );
-    assert_eq!(
-        play(
-            PINCHES,
-            "open; tip index 15 0 0 & tip middle 0 20 0; tip index 80 0 0; wait 100"
-        ),
+    assert_events(
+        PINCHES,
+        "open; tip index 15 0 0 & tip middle 0 20 0; tip middle 0 10 0; wait 100; open",
         "dn:MouseLeft up:MouseLeft",
-        "the other finger has to open before it counts"
+    );
+    // The other finger has to open before it counts.
+    assert_events(
+        PINCHES,
+        "open; tip index 15 0 0 & tip middle 0 20 0; tip index 80 0 0; wait 100",
+        "dn:MouseLeft up:MouseLeft",
     );
 }
 
 #[test]
 fn the_pointer_is_held_while_a_click_is_near_or_on() {
-    assert_eq!(
-        play(
-            PINCHES,
-            "open; set wrist-deviation 1; tip index 40 0 0; set wrist-deviation 2; tip index 20 0 0; \
-             set wrist-deviation 2.2; tip index 40 0 0; set wrist-deviation 3; tip index 80 0 0; set \
-             wrist-deviation 4"
-        ),
-        "move=+50,+0 dn:MouseLeft up:MouseLeft move=+50,+0"
+    assert_events(
+        PINCHES,
+        "open; set wrist-deviation 1; tip index 40 0 0; set wrist-deviation 2; tip index 20 0 0; \
+         set wrist-deviation 2.2; tip index 40 0 0; set wrist-deviation 3; tip index 80 0 0; set \
+         wrist-deviation 4",
+        "move=+50,+0 dn:MouseLeft up:MouseLeft move=+50,+0",
     );
 }
 
 #[test]
 fn resting_fingers_close_together_hold_the_pointer_only_briefly() {
-    assert_eq!(
-        play(
-            PINCHES,
-            "open; tip index 40 0 0; wait 400; set wrist-deviation 1"
-        ),
-        "move=+50,+0"
+    assert_events(
+        PINCHES,
+        "open; tip index 40 0 0; wait 400; set wrist-deviation 1",
+        "move=+50,+0",
     );
 }
 
 #[test]
 fn a_drag_starts_beyond_the_drag_threshold() {
-    assert_eq!(
-        play(
-            PINCHES,
-            "open; tip index 20 0 0; set wrist-deviation 0.4; set wrist-deviation 0; set \
-             wrist-deviation 0.7; set wrist-deviation 1.7; tip index 80 0 0"
-        ),
-        "dn:MouseLeft move=+50,+0 up:MouseLeft"
+    assert_events(
+        PINCHES,
+        "open; tip index 20 0 0; set wrist-deviation 0.4; set wrist-deviation 0; set \
+         wrist-deviation 0.7; set wrist-deviation 1.7; tip index 80 0 0",
+        "dn:MouseLeft move=+50,+0 up:MouseLeft",
     );
 }
 
@@ -150,21 +144,16 @@ fn a_flexion_clicks() {
 #[test]
 fn a_push_forward_clicks_and_half_its_depth_ends_it() {
     let push = "clicks: [(gesture: Push(20), action: Key(\"MouseLeft\"))]";
-    assert_eq!(
-        play(
-            push,
-            "open; tip index 80 0 -10; tip index 80 0 -25; wait 200; tip index 80 0 -13; tip index 80 0 0"
-        ),
-        "dn:MouseLeft up:MouseLeft"
+    assert_events(
+        push,
+        "open; tip index 80 0 -10; tip index 80 0 -25; wait 200; tip index 80 0 -13; tip index 80 0 0",
+        "dn:MouseLeft up:MouseLeft",
     );
     let slowly: Vec<String> = (0..40)
         .map(|step| format!("tip index 80 0 -{step}"))
         .collect();
-    assert_eq!(
-        play(push, &format!("open; {}", slowly.join("; "))),
-        "",
-        "100 mm/s"
-    );
+    // 100 mm/s.
+    assert_events(push, &format!("open; {}", slowly.join("; ")), "");
 }
 
 #[test]
@@ -174,15 +163,13 @@ fn sideways_motion_does_not_push_and_reaching_ends_a_push() {
         let step = |step: i32| format!("tip index {} 0 {}", 80 + x * step / 8, z * step / 8);
         (0..=8).map(step).collect::<Vec<_>>().join("; ")
     };
-    assert_eq!(
-        play(push, &format!("open; {}; wait 2000", way(40, -60))),
-        "",
-        "aside"
-    );
-    assert_eq!(
-        play(push, &format!("open; {}; wait 2000", way(0, -90))),
+    // Aside.
+    assert_events(push, &format!("open; {}; wait 2000", way(40, -60)), "");
+    // Too far.
+    assert_events(
+        push,
+        &format!("open; {}; wait 2000", way(0, -90)),
         "dn:MouseLeft up:MouseLeft",
-        "too far"
     );
 }
 
@@ -191,13 +178,14 @@ fn a_push_that_missing_readings_hide_does_not_click() {
     let push = "clicks: [(gesture: Push(20), action: Key(\"MouseLeft\"))]";
     // The fingertip may have gone aside before it went forward.
     let hidden = "open; wait 100; gap 60 & tip index 85 0 -30; wait 200";
-    assert_eq!(play(push, hidden), "");
+    assert_events(push, hidden, "");
     let seen =
         "tip index 85 0 -40; tip index 85 0 -55; wait 200; tip index 85 0 -43; tip index 85 0 -30";
-    assert_eq!(
-        play(push, &format!("{hidden}; {seen}")),
+    // After a rest.
+    assert_events(
+        push,
+        &format!("{hidden}; {seen}"),
         "dn:MouseLeft up:MouseLeft",
-        "after a rest"
     );
     let held =
         "open; tip index 80 0 -10; tip index 80 0 -25; gap 160 & tip index 80 0 -25; wait 100";
@@ -207,26 +195,19 @@ fn a_push_that_missing_readings_hide_does_not_click() {
 #[test]
 fn a_cursor_that_was_moved_and_rests_clicks_once() {
     let dwell = "dwell: (time_ms: 300, radius_px: 10, action: Key(\"MouseLeft\"))";
-    assert_eq!(
-        play(dwell, "open; wait 1000"),
-        "",
-        "the wearer has not moved it there"
-    );
-    assert_eq!(
-        play(
-            dwell,
-            "open; set wrist-deviation 1; wait 200; set wrist-deviation 1.1; wait 2000"
-        ),
+    // The wearer has not moved it there.
+    assert_events(dwell, "open; wait 1000", "");
+    // Once.
+    assert_events(
+        dwell,
+        "open; set wrist-deviation 1; wait 200; set wrist-deviation 1.1; wait 2000",
         "move=+50,+0 move=+5,+0 dn:MouseLeft up:MouseLeft",
-        "once"
     );
-    assert_eq!(
-        play(
-            dwell,
-            "open; set wrist-deviation 1; wait 200; set wrist-deviation 2; wait 200"
-        ),
+    // It did not rest for long enough.
+    assert_events(
+        dwell,
+        "open; set wrist-deviation 1; wait 200; set wrist-deviation 2; wait 200",
         "move=+50,+0 move=+50,+0",
-        "it did not rest for long enough"
     );
 }
 
@@ -251,13 +232,11 @@ fn a_cursor_that_rests_because_the_clutch_is_off_does_not_click() {
 #[test]
 fn motion_scrolls_while_the_scroll_gesture_is_on() {
     let scroll = "scroll: (gesture: Flexion(\"little-mcp-flexion\", 60), px_per_detent: 50)";
-    assert_eq!(
-        play(
-            scroll,
-            "open; set little-mcp-flexion 0; set little-mcp-flexion 60; set wrist-flexion -1; set \
-             wrist-deviation 0.005; set wrist-deviation 0.01; set little-mcp-flexion 0; set \
-             wrist-deviation 1.01"
-        ),
-        "scroll=+0,+60 scroll=+1,+0 move=+50,+0"
+    assert_events(
+        scroll,
+        "open; set little-mcp-flexion 0; set little-mcp-flexion 60; set wrist-flexion -1; set \
+         wrist-deviation 0.005; set wrist-deviation 0.01; set little-mcp-flexion 0; set \
+         wrist-deviation 1.01",
+        "scroll=+0,+60 scroll=+1,+0 move=+50,+0",
     );
 }

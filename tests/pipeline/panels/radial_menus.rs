@@ -1,6 +1,6 @@
 //! Radial menus, which open around the fingertip that presses their hub.
 
-use super::simulate;
+use super::{assert_events, simulate};
 use ademan::layout::Layout;
 
 /// A menu with a radius of 30 mm, a dead zone of 12 mm, and four sectors: C away from the wearer, Control and V to the right, Control,
@@ -61,23 +61,17 @@ fn the_way_back_to_the_press_cancels() {
 #[test]
 fn the_menu_is_around_the_fingertip() {
     let script = "index M 11 0 up; index M 11 0 down; index M 19 10 down; index M 19 10 up";
-    assert_eq!(
-        simulate(MENU, script),
-        "value:M=0.143 dn:C up:C value:M=0.000",
-        "away from the press, and to the right of the middle"
-    );
+    // Away from the press, and to the right of the middle.
+    assert_events(MENU, script, "value:M=0.143 dn:C up:C value:M=0.000");
     let dragged = "index M 11 0 up; index M 11 0 down; index M -4 0 down; index M -4 0 up";
-    assert_eq!(
-        simulate(MENU, dragged),
-        "value:M=0.571 value:M=0.000",
-        "beyond the dead zone around the press"
-    );
+    // Beyond the dead zone around the press.
+    assert_events(MENU, dragged, "value:M=0.571 value:M=0.000");
 }
 
 #[test]
 fn a_press_beside_the_hub_opens_nothing() {
     let script = "index M 0 20 up; index M 0 20 down; index M 0 -20 down; index M 0 -20 up";
-    assert_eq!(simulate(MENU, script), "");
+    assert_events(MENU, script, "");
 }
 
 #[test]
@@ -177,9 +171,10 @@ fn a_nested_menu_that_is_lost_fires_nothing() {
 fn a_second_finger_on_the_hub_is_ignored() {
     let script = "index M 0 0 up & middle M 5 0 up; index M 0 0 down & middle M 5 0 down; \
                   middle M 5 20 down; middle M 5 20 up; index M 20 0 down; index M 20 0 up";
-    assert_eq!(
-        simulate(MENU, script),
-        "value:M=0.286 dn:ControlLeft dn:V up:V up:ControlLeft value:M=0.000"
+    assert_events(
+        MENU,
+        script,
+        "value:M=0.286 dn:ControlLeft dn:V up:V up:ControlLeft value:M=0.000",
     );
 }
 

@@ -1,6 +1,6 @@
 //! Radio groups.
 
-use super::simulate;
+use super::{assert_events, simulate};
 
 const VALUE_ONLY: &str = r#"radios: [(name: "Mode", initial: "Draw", options: [
     (name: "Draw", at_mm: (0, 0)), (name: "Fill", at_mm: (30, 0)), (name: "Erase", at_mm: (60, 0)),
@@ -16,27 +16,30 @@ const TAP: &str = r#"radios: [(name: "Tool", options: [
 
 #[test]
 fn one_option_of_a_group_is_on() {
-    assert_eq!(
-        simulate(VALUE_ONLY, "index Fill tap; thumb Erase tap"),
-        "value:Draw=0.000 value:Fill=1.000 value:Fill=0.000 value:Erase=1.000"
+    assert_events(
+        VALUE_ONLY,
+        "index Fill tap; thumb Erase tap",
+        "value:Draw=0.000 value:Fill=1.000 value:Fill=0.000 value:Erase=1.000",
     );
 }
 
 #[test]
 fn pressing_the_option_that_is_on_has_no_effect() {
-    assert_eq!(simulate(VALUE_ONLY, "index Draw tap"), "");
-    assert_eq!(
-        simulate(TAP, "index Pen tap; index Pen tap; wait 500; index Pen tap"),
-        "dn:P up:P value:Pen=1.000"
+    assert_events(VALUE_ONLY, "index Draw tap", "");
+    assert_events(
+        TAP,
+        "index Pen tap; index Pen tap; wait 500; index Pen tap",
+        "dn:P up:P value:Pen=1.000",
     );
 }
 
 #[test]
 fn the_previous_option_is_released_before_the_new_one_is_pressed() {
-    assert_eq!(
-        simulate(HOLD, "index Move tap; index Turn tap; index Off tap"),
+    assert_events(
+        HOLD,
+        "index Move tap; index Turn tap; index Off tap",
         "dn:ShiftLeft value:Move=1.000 up:ShiftLeft value:Move=0.000 dn:ControlLeft \
-             value:Turn=1.000 up:ControlLeft value:Turn=0.000 value:Off=1.000"
+         value:Turn=1.000 up:ControlLeft value:Turn=0.000 value:Off=1.000",
     );
 }
 
@@ -51,28 +54,24 @@ fn only_a_press_switches_an_option() {
     ] {
         assert_eq!(simulate(HOLD, &format!("{before}; {after}")), on, "{after}");
     }
-    assert_eq!(
-        simulate(HOLD, "index Turn up; index Turn 1; index Turn up"),
-        ""
-    );
+    assert_events(HOLD, "index Turn up; index Turn 1; index Turn up", "");
 }
 
 #[test]
 fn release_all_switches_holding_options_off() {
-    assert_eq!(
-        simulate(HOLD, "index Move tap; release; index Move tap"),
-        "dn:ShiftLeft value:Move=1.000 up:ShiftLeft value:Move=0.000 dn:ShiftLeft value:Move=1.000"
+    assert_events(
+        HOLD,
+        "index Move tap; release; index Move tap",
+        "dn:ShiftLeft value:Move=1.000 up:ShiftLeft value:Move=0.000 dn:ShiftLeft value:Move=1.000",
     );
 }
 
 #[test]
 fn release_all_leaves_tapping_options_on() {
-    assert_eq!(
-        simulate(
-            TAP,
-            "index Pen tap; release; index Pen tap; index Brush tap"
-        ),
-        "dn:P up:P value:Pen=1.000 value:Pen=0.000 dn:B up:B value:Brush=1.000"
+    assert_events(
+        TAP,
+        "index Pen tap; release; index Pen tap; index Brush tap",
+        "dn:P up:P value:Pen=1.000 value:Pen=0.000 dn:B up:B value:Brush=1.000",
     );
 }
 
@@ -82,8 +81,9 @@ fn groups_are_independent() {
         (name: "X", options: [(name: "A", at_mm: (0, 0)), (name: "B", at_mm: (30, 0))]),
         (name: "Y", options: [(name: "C", at_mm: (60, 0)), (name: "D", at_mm: (90, 0))]),
     ]"#;
-    assert_eq!(
-        simulate(two, "index B tap; index C tap; index A tap"),
-        "value:B=1.000 value:C=1.000 value:B=0.000 value:A=1.000"
+    assert_events(
+        two,
+        "index B tap; index C tap; index A tap",
+        "value:B=1.000 value:C=1.000 value:B=0.000 value:A=1.000",
     );
 }

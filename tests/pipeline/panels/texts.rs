@@ -1,6 +1,6 @@
 //! Keys that write a text.
 
-use super::simulate;
+use super::{assert_events, simulate};
 use crate::rig::Rig;
 
 fn type_text(text: &str, script: &str) -> String {
@@ -84,7 +84,7 @@ fn a_layer_can_replace_a_text() {
 fn a_text_can_fire_on_release() {
     let key = "keys: [(action: Text(\"é\"), name: \"T\", activate_on: Release, at_mm: (0, 0)), \
                (code: \"A\", at_mm: (40, 0))]";
-    assert_eq!(simulate(key, "index T up; index T down; wait 50"), "");
-    assert_eq!(simulate(key, "index T tap"), "write:é");
-    assert_eq!(simulate(key, "index T up; index T down; index A down"), "");
+    assert_events(key, "index T up; index T down; wait 50", "");
+    assert_events(key, "index T tap", "write:é");
+    assert_events(key, "index T up; index T down; index A down", "");
 }

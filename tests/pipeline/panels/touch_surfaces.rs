@@ -1,6 +1,6 @@
 //! Touchscreens and touchpads.
 
-use super::simulate;
+use super::{assert_events, simulate};
 use crate::rig::Rig;
 
 const SCREEN: &str =
@@ -10,56 +10,45 @@ const PAD: &str = r#"touch_surfaces: [(name: "P", at_mm: (0, 0), size_mm: Box(20
 
 #[test]
 fn a_finger_on_a_touchscreen_moves_the_pointer_and_presses_the_button() {
-    assert_eq!(
-        simulate(
-            SCREEN,
-            "index S 40 25 up; index S 40 25 1; index S 40 25 down; index S 40 25 up"
-        ),
-        "place=0.7500,0.2500 dn:MouseLeft up:MouseLeft"
+    assert_events(
+        SCREEN,
+        "index S 40 25 up; index S 40 25 1; index S 40 25 down; index S 40 25 up",
+        "place=0.7500,0.2500 dn:MouseLeft up:MouseLeft",
     );
-    assert_eq!(
-        simulate(
-            SCREEN,
-            "index S -72 -45 up; index S -72 -45 1; index S -81 -45 1"
-        ),
+    // The position is clamped at the edge.
+    assert_events(
+        SCREEN,
+        "index S -72 -45 up; index S -72 -45 1; index S -81 -45 1",
         "place=0.0500,0.9500 place=0.0000,0.9500",
-        "the position is clamped at the edge"
     );
 }
 
 #[test]
 fn the_pointer_moves_before_the_button_is_pressed() {
-    assert_eq!(
-        simulate(
-            SCREEN,
-            "index S 0 0 up; index S 16 0 down; index S 32 0 down; index S 32 0 up"
-        ),
+    assert_events(
+        SCREEN,
+        "index S 0 0 up; index S 16 0 down; index S 32 0 down; index S 32 0 up",
         "place=0.5600,0.5000 place=0.5800,0.5000 dn:MouseLeft place=0.6000,0.5000 \
-             place=0.7000,0.5000 up:MouseLeft"
+         place=0.7000,0.5000 up:MouseLeft",
     );
 }
 
 #[test]
 fn only_the_first_finger_on_a_touchscreen_counts() {
-    assert_eq!(
-        simulate(
-            SCREEN,
-            "index S 0 0 up & ring S 40 0 up; index S 0 0 1; ring S 40 0 down; ring S 40 0 up; index S 0 0 up"
-        ),
-        "place=0.5000,0.5000"
+    assert_events(
+        SCREEN,
+        "index S 0 0 up & ring S 40 0 up; index S 0 0 1; ring S 40 0 down; ring S 40 0 up; index S 0 0 up",
+        "place=0.5000,0.5000",
     );
 }
 
 #[test]
 fn a_drag_on_a_touchscreen_ends_when_the_finger_slides_off_or_is_lost() {
     for end in ["index S 90 0 down", "hide index", "doubt index", "release"] {
-        assert_eq!(
-            simulate(
-                SCREEN,
-                &format!("index S 72 0 up; index S 72 0 down; {end}; wait 100")
-            ),
+        assert_events(
+            SCREEN,
+            &format!("index S 72 0 up; index S 72 0 down; {end}; wait 100"),
             "place=0.9500,0.5000 dn:MouseLeft up:MouseLeft",
-            "{end}"
         );
     }
 }
@@ -114,28 +103,22 @@ fn a_fast_finger_moves_the_pointer_further() {
 
 #[test]
 fn a_short_touch_clicks_without_moving_the_pointer() {
-    assert_eq!(
-        simulate(
-            PAD,
-            "index P 0 0 up; index P 0 0 1; index P 2 0 1; index P 2 0 up"
-        ),
-        "dn:MouseLeft up:MouseLeft"
+    assert_events(
+        PAD,
+        "index P 0 0 up; index P 0 0 1; index P 2 0 1; index P 2 0 up",
+        "dn:MouseLeft up:MouseLeft",
     );
-    assert_eq!(
-        simulate(
-            PAD,
-            "index P 0 0 up; index P 0 0 1; wait 250; index P 0 0 up"
-        ),
+    // Too long.
+    assert_events(
+        PAD,
+        "index P 0 0 up; index P 0 0 1; wait 250; index P 0 0 up",
         "",
-        "too long"
     );
-    assert_eq!(
-        simulate(
-            PAD,
-            "index P 0 0 up; index P 0 0 1; index P 4.1 0 1; index P 4.1 0 up"
-        ),
+    // Moved.
+    assert_events(
+        PAD,
+        "index P 0 0 up; index P 0 0 1; index P 4.1 0 1; index P 4.1 0 up",
         "move=+4,+0",
-        "moved"
     );
 }
 
@@ -152,39 +135,34 @@ fn a_finger_that_lifts_in_a_gap_does_not_click() {
 
 #[test]
 fn two_fingers_click_the_right_button() {
-    assert_eq!(
-        simulate(
-            PAD,
-            "index P 0 0 up & middle P 30 0 up; index P 0 0 1 & middle P 30 0 1; wait 50; index P 0 0 \
-             up; middle P 30 0 up"
-        ),
-        "dn:MouseRight up:MouseRight"
+    assert_events(
+        PAD,
+        "index P 0 0 up & middle P 30 0 up; index P 0 0 1 & middle P 30 0 1; wait 50; index P 0 0 \
+         up; middle P 30 0 up",
+        "dn:MouseRight up:MouseRight",
     );
 }
 
 #[test]
 fn a_touch_soon_after_a_click_drags() {
-    assert_eq!(
-        simulate(
-            PAD,
-            "index P 0 0 tap; index P 0 0 1; index P 13.1 0 1; wait 100; index P 13.1 0 up; wait 100; \
-             index P 0 0 up; index P 0 0 1; index P 13.1 0 1"
-        ),
+    // The next touch does not drag.
+    assert_events(
+        PAD,
+        "index P 0 0 tap; index P 0 0 1; index P 13.1 0 1; wait 100; index P 13.1 0 up; wait 100; \
+         index P 0 0 up; index P 0 0 1; index P 13.1 0 1",
         "dn:MouseLeft up:MouseLeft dn:MouseLeft move=+40,+0 up:MouseLeft move=+40,+0",
-        "the next touch does not drag"
     );
-    assert_eq!(
-        simulate(PAD, "index P 0 0 tap; index P 0 0 tap"),
+    // A double click.
+    assert_events(
+        PAD,
+        "index P 0 0 tap; index P 0 0 tap",
         "dn:MouseLeft up:MouseLeft dn:MouseLeft up:MouseLeft",
-        "a double click"
     );
-    assert_eq!(
-        simulate(
-            PAD,
-            "index P 0 0 tap; wait 400; index P 0 0 1; index P 13.1 0 1"
-        ),
+    // Too late.
+    assert_events(
+        PAD,
+        "index P 0 0 tap; wait 400; index P 0 0 1; index P 13.1 0 1",
         "dn:MouseLeft up:MouseLeft move=+40,+0",
-        "too late"
     );
 }
 
@@ -197,23 +175,21 @@ fn two_fingers_scroll() {
         both(0, 11),
         both(0, 19)
     );
-    assert_eq!(simulate(PAD, &script), "scroll=+0,+120 scroll=+0,+120");
+    assert_events(PAD, &script, "scroll=+0,+120 scroll=+0,+120");
     let natural = PAD.replace(
         "acceleration: 0",
         "natural_scrolling: true, mm_per_detent: 16",
     );
-    assert_eq!(simulate(&natural, &script), "scroll=+0,-60 scroll=+0,-60");
+    assert_events(&natural, &script, "scroll=+0,-60 scroll=+0,-60");
 }
 
 #[test]
 fn the_last_of_two_fingers_does_not_move_the_pointer() {
-    assert_eq!(
-        simulate(
-            PAD,
-            "index P 0 0 up & middle P 30 0 up; index P 0 0 1 & middle P 30 0 1; index P 0 0 up; \
-             middle P 60 0 1; middle P 60 0 up"
-        ),
-        ""
+    assert_events(
+        PAD,
+        "index P 0 0 up & middle P 30 0 up; index P 0 0 1 & middle P 30 0 1; index P 0 0 up; \
+         middle P 60 0 1; middle P 60 0 up",
+        "",
     );
 }
 
@@ -226,40 +202,32 @@ fn a_finger_that_slides_off_or_is_lost_does_not_click() {
         );
         assert_eq!(events, "", "{end}");
     }
-    assert_eq!(
-        simulate(
-            PAD,
-            "index P 0 0 up & middle P 30 0 up; index P 0 0 1 & middle P 30 0 1; hide index; middle P 30 0 up"
-        ),
+    // The remaining finger does not click either.
+    assert_events(
+        PAD,
+        "index P 0 0 up & middle P 30 0 up; index P 0 0 1 & middle P 30 0 1; hide index; middle P 30 0 up",
         "",
-        "the remaining finger does not click either"
     );
-    assert_eq!(
-        simulate(
-            PAD,
-            "index P 0 0 tap; index P 0 0 1; index P 13.1 0 1; hide index; wait 20"
-        ),
+    // A drag ends.
+    assert_events(
+        PAD,
+        "index P 0 0 tap; index P 0 0 1; index P 13.1 0 1; hide index; wait 20",
         "dn:MouseLeft up:MouseLeft dn:MouseLeft move=+40,+0 up:MouseLeft",
-        "a drag ends"
     );
 }
 
 #[test]
 fn fingers_from_before_release_all_do_not_count() {
-    assert_eq!(
-        simulate(
-            PAD,
-            "index P 0 0 up; index P 0 0 1; release; middle P 30 0 tap"
-        ),
+    // One finger, not two.
+    assert_events(
+        PAD,
+        "index P 0 0 up; index P 0 0 1; release; middle P 30 0 tap",
         "dn:MouseLeft up:MouseLeft",
-        "one finger, not two"
     );
-    assert_eq!(
-        simulate(
-            SCREEN,
-            "index S 0 0 up; index S 0 0 1; release; ring S 40 0 up; ring S 40 0 1"
-        ),
-        "place=0.5000,0.5000 place=0.7500,0.5000"
+    assert_events(
+        SCREEN,
+        "index S 0 0 up; index S 0 0 1; release; ring S 40 0 up; ring S 40 0 1",
+        "place=0.5000,0.5000 place=0.7500,0.5000",
     );
 }
 

@@ -2,7 +2,7 @@
 
 use ademan::layout::Layout;
 
-use super::simulate_layout;
+use super::{assert_layout_events, simulate_layout};
 use crate::rig::Rig;
 
 const BOARD: &str = r#"keys: [(code: "A", at_mm: (0, 0))]"#;
@@ -52,9 +52,11 @@ fn a_trigger_has_hysteresis() {
 #[test]
 fn a_trigger_can_switch_on_below_its_threshold() {
     let back = CLAW.replace("on_deg: 60, off_deg: 50", "on_deg: -20, off_deg: -10");
-    assert_eq!(
-        simulate_layout(BOARD, &back, &bend(&[0, -15, -20, -15, -10])),
-        "dn:X value:Claw=1.000 up:X value:Claw=0.000"
+    assert_layout_events(
+        BOARD,
+        &back,
+        &bend(&[0, -15, -20, -15, -10]),
+        "dn:X value:Claw=1.000 up:X value:Claw=0.000",
     );
 }
 
@@ -108,70 +110,79 @@ fn a_reacquired_hand_switches_a_trigger_off() {
 
 #[test]
 fn the_value_of_a_trigger_follows_the_angle() {
-    assert_eq!(
-        simulate_layout(BOARD, BLADE, &bend(&[0, 20, 45, 70, 90, 45])),
+    assert_layout_events(
+        BOARD,
+        BLADE,
+        &bend(&[0, 20, 45, 70, 90, 45]),
         "value:Blade=0.500 axis:RightTrigger=+0.500 value:Blade=1.000 axis:RightTrigger=+1.000 \
-             value:Blade=0.500 axis:RightTrigger=+0.500"
+         value:Blade=0.500 axis:RightTrigger=+0.500",
     );
 }
 
 #[test]
 fn a_trigger_at_value_0_leaves_every_axis_at_rest() {
     let yaw = BLADE.replace("RightTrigger", "TurnY");
-    assert_eq!(simulate_layout(BOARD, &yaw, &bend(&[0, 10])), "");
-    assert_eq!(
-        simulate_layout(BOARD, &yaw, &bend(&[0, 45, 90, 0])),
+    assert_layout_events(BOARD, &yaw, &bend(&[0, 10]), "");
+    assert_layout_events(
+        BOARD,
+        &yaw,
+        &bend(&[0, 45, 90, 0]),
         "value:Blade=0.500 axis:TurnY=+0.500 value:Blade=1.000 axis:TurnY=+1.000 \
-             value:Blade=0.000 axis:TurnY=+0.000"
+         value:Blade=0.000 axis:TurnY=+0.000",
     );
 }
 
 #[test]
 fn the_axis_of_a_trigger_returns_to_0_when_the_finger_is_lost() {
-    assert_eq!(
-        simulate_layout(BOARD, BLADE, &format!("{}; doubt index", bend(&[0, 45]))),
-        "value:Blade=0.500 axis:RightTrigger=+0.500 value:Blade=0.000 axis:RightTrigger=+0.000"
+    assert_layout_events(
+        BOARD,
+        BLADE,
+        &format!("{}; doubt index", bend(&[0, 45])),
+        "value:Blade=0.500 axis:RightTrigger=+0.500 value:Blade=0.000 axis:RightTrigger=+0.000",
     );
-    assert_eq!(
-        simulate_layout(BOARD, BLADE, &format!("{}; release", bend(&[0, 45]))),
+    // And follows the hand when it is seen again.
+    assert_layout_events(
+        BOARD,
+        BLADE,
+        &format!("{}; release", bend(&[0, 45])),
         "value:Blade=0.500 axis:RightTrigger=+0.500 value:Blade=0.000 axis:RightTrigger=+0.000 \
-             value:Blade=0.500 axis:RightTrigger=+0.500",
-        "and follows the hand when it is seen again"
+         value:Blade=0.500 axis:RightTrigger=+0.500",
     );
 }
 
 #[test]
 fn a_trigger_does_not_scroll_for_changes_while_it_was_unknown() {
     let wheel = BLADE.replace(r#"Axis("RightTrigger")"#, "ScrollY(10)");
-    assert_eq!(
-        simulate_layout(
-            BOARD,
-            &wheel,
-            &format!(
-                "{}; doubt index; trust index; {}",
-                bend(&[45, 45]),
-                bend(&[50])
-            )
+    assert_layout_events(
+        BOARD,
+        &wheel,
+        &format!(
+            "{}; doubt index; trust index; {}",
+            bend(&[45, 45]),
+            bend(&[50])
         ),
-        "value:Blade=0.500 value:Blade=0.000 value:Blade=0.500 value:Blade=0.600 scroll=+0,+120"
+        "value:Blade=0.500 value:Blade=0.000 value:Blade=0.500 value:Blade=0.600 scroll=+0,+120",
     );
 }
 
 #[test]
 fn a_pinch_switches_on_at_25_mm_and_off_above_30_mm() {
-    assert_eq!(
-        simulate_layout(BOARD, PINCH, &pinch(&[60, 26, 25, 29, 31, 26, 24])),
-        "dn:MouseLeft value:Pinch=1.000 up:MouseLeft value:Pinch=0.000 dn:MouseLeft value:Pinch=1.000"
+    assert_layout_events(
+        BOARD,
+        PINCH,
+        &pinch(&[60, 26, 25, 29, 31, 26, 24]),
+        "dn:MouseLeft value:Pinch=1.000 up:MouseLeft value:Pinch=0.000 dn:MouseLeft value:Pinch=1.000",
     );
 }
 
 #[test]
 fn a_pinch_trigger_ends_when_one_of_its_fingers_is_lost() {
     for end in ["hide thumb", "hide index", "doubt thumb", "doubt index"] {
-        assert_eq!(
-            simulate_layout(BOARD, PINCH, &format!("{}; {end}", pinch(&[60, 20]))),
+        assert_layout_events(
+            BOARD,
+            PINCH,
+            &format!("{}; {end}", pinch(&[60, 20])),
             "dn:MouseLeft value:Pinch=1.000 up:MouseLeft value:Pinch=0.000",
-            "{end}"
         );
     }
 }
@@ -180,10 +191,12 @@ fn a_pinch_trigger_ends_when_one_of_its_fingers_is_lost() {
 fn a_trigger_follows_its_hand_or_each_hand() {
     let left = CLAW.replace("action:", r#"hand: "left", action:"#);
     let bent = bend(&[0, 70]);
-    assert_eq!(simulate_layout(BOARD, &left, &format!("right; {bent}")), "");
-    assert_eq!(
-        simulate_layout(BOARD, &left, &format!("left; {bent}")),
-        "dn:X value:Claw=1.000"
+    assert_layout_events(BOARD, &left, &format!("right; {bent}"), "");
+    assert_layout_events(
+        BOARD,
+        &left,
+        &format!("left; {bent}"),
+        "dn:X value:Claw=1.000",
     );
     let mut rig = Rig::with_fields(BOARD, CLAW);
     rig.run(&format!(

@@ -1,6 +1,6 @@
 //! Valves.
 
-use super::simulate;
+use super::{assert_events, simulate};
 
 const WATER: &str = r#"valves: [(name: "Water", at_mm: (0, 0), diameter_mm: 60, turns: 3)]"#;
 const TURN: &str =
@@ -29,24 +29,20 @@ fn a_valve_turns_several_times_up_to_its_end() {
 
 #[test]
 fn a_valve_continues_from_its_last_value() {
-    assert_eq!(
-        simulate(
-            WATER,
-            "index Water 20 0 up; index Water 20 0 down; index Water 0 -20 down; index Water 0 -20 \
-             up; index Water 20 0 up; index Water 20 0 down; index Water 0 -20 down"
-        ),
-        "value:Water=0.083 value:Water=0.167"
+    assert_events(
+        WATER,
+        "index Water 20 0 up; index Water 20 0 down; index Water 0 -20 down; index Water 0 -20 \
+         up; index Water 20 0 up; index Water 20 0 down; index Water 0 -20 down",
+        "value:Water=0.083 value:Water=0.167",
     );
 }
 
 #[test]
 fn a_valve_can_be_turned_by_a_pinch() {
-    assert_eq!(
-        simulate(
-            WATER,
-            "tip thumb -30 20 0 & tip index 30 20 0; tip thumb -10 20 0 & tip index 10 20 0; palm 0 -54 0"
-        ),
-        "value:Water=0.050"
+    assert_events(
+        WATER,
+        "tip thumb -30 20 0 & tip index 30 20 0; tip thumb -10 20 0 & tip index 10 20 0; palm 0 -54 0",
+        "value:Water=0.050",
     );
 }
 
@@ -62,17 +58,14 @@ fn a_wheel_turns_to_both_sides_and_springs_back_however_its_press_ends() {
         "index Wheel 200 0 down",
         "release",
     ] {
-        assert_eq!(
-            simulate(
-                WHEEL,
-                &format!(
-                    "index Wheel 20 0 up; index Wheel 20 0 down; index Wheel 0 -20 down; index Wheel 20 0 down; \
-                     index Wheel 0 20 down; {end}; wait 50"
-                )
+        assert_events(
+            WHEEL,
+            &format!(
+                "index Wheel 20 0 up; index Wheel 20 0 down; index Wheel 0 -20 down; index Wheel 20 0 down; \
+                 index Wheel 0 20 down; {end}; wait 50"
             ),
             "value:Wheel=0.600 axis:Wheel=+0.200 value:Wheel=0.500 axis:Wheel=+0.000 \
              value:Wheel=0.400 axis:Wheel=-0.200 axis:Wheel=+0.000 value:Wheel=0.500",
-            "{end}"
         );
     }
 }
@@ -98,16 +91,13 @@ fn a_wheel_follows_the_twist_of_a_hand_with_its_gain_and_springs_back_when_the_f
  {
     let open = "tip thumb -30 20 0 & tip index 30 20 0";
     for end in [open, "hide thumb", "doubt index", "release-devices"] {
-        assert_eq!(
-            simulate(
-                WHEEL,
-                &format!(
-                    "{open}; tip thumb -10 20 0 & tip index 10 20 0; palm 0 -36 0; palm 0 36 0; {end}; wait 50"
-                )
+        assert_events(
+            WHEEL,
+            &format!(
+                "{open}; tip thumb -10 20 0 & tip index 10 20 0; palm 0 -36 0; palm 0 36 0; {end}; wait 50"
             ),
             "value:Wheel=0.700 axis:Wheel=+0.400 value:Wheel=0.300 axis:Wheel=-0.400 \
              axis:Wheel=+0.000 value:Wheel=0.500",
-            "{end}"
         );
     }
 }
