@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::{file, run, text};
+use crate::{file, numbers, objects, run, text};
 
 fn vectors() -> Vec<Value> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/tpose_angles.json");
@@ -13,19 +13,6 @@ fn vectors() -> Vec<Value> {
     let cases = vectors["cases"].as_array().expect("a list of cases").iter();
     let with_angles = cases.filter(|case| case["zxy_degrees"].is_object());
     with_angles.cloned().collect()
-}
-
-fn lines(text: &str) -> Vec<Value> {
-    let lines = text.lines();
-    lines
-        .map(|line| serde_json::from_str(line).expect("a line of JSON"))
-        .collect()
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let list = value.as_array().expect("a list").iter();
-    list.map(|number| number.as_f64().expect("a number"))
-        .collect()
 }
 
 #[test]
@@ -40,7 +27,7 @@ fn angles_are_those_of_the_reference_and_give_the_positions_back_in_every_order(
     let poses = file(&folder, "poses.jsonl", poses.join("\n"));
     let printed = run(["body", "angles", poses.as_str(), "--check"]).done();
     printed.reported("poses; the positions");
-    for (line, case) in lines(&printed.out).iter().zip(&cases) {
+    for (line, case) in objects(&printed.out).iter().zip(&cases) {
         let joints = case["zxy_degrees"].as_object().expect("joints");
         assert_eq!(joints.len(), 11);
         for (joint, expected) in joints {
@@ -57,7 +44,7 @@ fn angles_are_those_of_the_reference_and_give_the_positions_back_in_every_order(
         let in_order = run(["body", "angles", poses.as_str(), "--order", order]).done();
         let name = format!("{order}.jsonl");
         let angles = file(&folder, &name, &in_order.out);
-        let back = lines(&run(["body", "positions", angles.as_str()]).done().out);
+        let back = objects(&run(["body", "positions", angles.as_str()]).done().out);
         assert_eq!(back.len(), cases.len());
         for (pose, case) in back.iter().zip(&cases) {
             for (point, expected) in case["points"].as_object().expect("points") {
@@ -89,12 +76,12 @@ fn a_pose_with_an_arm_of_no_length_is_left_out_and_counted() {
     pose["left_elbow"] = pose["left_shoulder"].clone();
     let path = file(&folder, "poses.jsonl", format!("{pose}\n{whole}\n"));
     let ended = run(["body", "angles", path.as_str()]).done();
-    assert_eq!(lines(&ended.out).len(), 1);
+    assert_eq!(objects(&ended.out).len(), 1);
     let expected = "1 of 2 poses have no angles and are left out; the first one is ";
     ended.reported(expected);
     // A fit gives such a bone no direction either.
     let fitted = run(["body", "angles", path.as_str(), "--fit"]).done();
-    assert_eq!(lines(&fitted.out).len(), 1);
+    assert_eq!(objects(&fitted.out).len(), 1);
     fitted.reported(expected);
     let empty_path = file(&folder, "none.jsonl", pose.to_string());
     let empty = run(["body", "angles", empty_path.as_str()]).exited(2);
@@ -116,7 +103,7 @@ fn a_hidden_point_costs_its_pose_alone_and_landmarks_may_have_names() {
     for options in [&[][..], &["--fit"]] {
         let angles = ["body", "angles", path.as_str()];
         let ended = run(angles.into_iter().chain(options.iter().copied())).done();
-        assert_eq!(lines(&ended.out).len(), 2);
+        assert_eq!(objects(&ended.out).len(), 2);
         let expected = format!(
             "2 of 4 poses have no angles and are left out; the first one is {path}:2: the pose lacks the position of `left-wrist`"
         );
@@ -147,7 +134,7 @@ fn positions_keep_the_time_of_their_line_and_wrong_numbers_are_refused() {
     pose["time_us"] = 12_500.into();
     let poses = file(&folder, "poses.jsonl", pose.to_string());
     let printed = run(["body", "angles", poses.as_str()]).done().out;
-    let angles = &lines(&printed)[0];
+    let angles = &objects(&printed)[0];
     let positions = |name: &str, change: &dyn Fn(&mut Value)| {
         let mut line = angles.clone();
         change(&mut line);
@@ -155,7 +142,7 @@ fn positions_keep_the_time_of_their_line_and_wrong_numbers_are_refused() {
         run(["body", "positions", path.as_str()])
     };
     let lower_case = positions("order.jsonl", &|line| line["order"] = "zxy".into()).done();
-    assert_eq!(lines(&lower_case.out)[0]["time_us"], 12_500);
+    assert_eq!(objects(&lower_case.out)[0]["time_us"], 12_500);
     let negative =
         positions("hips.jsonl", &|line| line["lengths"]["hips"] = json!(-0.24)).exited(2);
     negative.reported("the length of `hips` is -0.24; a length is 0 or more");
@@ -225,7 +212,7 @@ fn fitted_bones_have_one_length_in_every_pose() {
         let arguments = ["body", "angles", poses.as_str()].into_iter();
         let printed = run(arguments.chain(options.iter().copied())).done();
         let lengths = |joint: &str| -> Vec<f64> {
-            let lines = lines(&printed.out);
+            let lines = objects(&printed.out);
             lines
                 .iter()
                 .map(|line| line["lengths"][joint].as_f64().unwrap())
@@ -257,7 +244,7 @@ fn a_file_that_is_written_is_named_on_standard_error() {
             (ended.out, ended.err),
             (String::new(), format!("wrote {to}\n"))
         );
-        assert_eq!(lines(&std::fs::read_to_string(to).unwrap()).len(), 1);
+        assert_eq!(objects(&std::fs::read_to_string(to).unwrap()).len(), 1);
     }
 }
 

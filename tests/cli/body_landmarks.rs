@@ -8,7 +8,8 @@ use ademan::hand::Side;
 use tempfile::TempDir;
 
 use crate::support::body::{ONE_KEY, TWO_KEYS, taps};
-use crate::{ademan, file, run, text};
+use crate::support::run::without_time;
+use crate::{ademan, file, objects, run, text};
 
 /// Lines of a person who taps with these hands.
 fn lines(sides: &[Side]) -> Vec<String> {
@@ -17,19 +18,24 @@ fn lines(sides: &[Side]) -> Vec<String> {
 
 /// Returns the presses and releases of a transcript, in order.
 pub fn keys(transcript: &str) -> Vec<String> {
-    let words = |line: &str| {
-        line.split_whitespace()
-            .skip(1)
-            .collect::<Vec<_>>()
-            .join(" ")
-    };
-    let events = transcript.lines().map(words);
+    let events = transcript.lines().map(without_time);
     events
         .filter(|event| event.starts_with("down ") || event.starts_with("up "))
         .collect()
 }
 
-pub const TAPPED: [&str; 2] = ["down J", "up J"];
+/// Asserts that a run with these options, and the replay of their recording, tap the key J.
+pub fn assert_tapped_and_replayed(options: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("body.mcap");
+    let typed = run([&["run", "--output", "transcript"][..], options].concat()).done();
+    assert_eq!(keys(&typed.out), TAPPED, "{}{}", typed.out, typed.err);
+    run([&["record", text(&recording)][..], options].concat()).done();
+    let replayed = run(["replay", text(&recording)]).done();
+    assert_eq!(keys(&replayed.out), TAPPED, "{}", replayed.err);
+}
+
+const TAPPED: [&str; 2] = ["down J", "up J"];
 
 #[test]
 fn a_file_of_landmarks_is_typed_recorded_and_replayed() {
@@ -38,14 +44,7 @@ fn a_file_of_landmarks_is_typed_recorded_and_replayed() {
     let path = file(&folder, "body.jsonl", lines(&[Side::Right]).concat());
     let source = format!("file:{path}?protocol=body-landmarks");
     let with = ["--source", &source, "--layout", &layout];
-    let typed = run([&["run", "--output", "transcript"], &with[..]].concat()).done();
-    assert_eq!(keys(&typed.out), TAPPED, "{}{}", typed.out, typed.err);
-
-    let recording = folder.path().join("body.mcap");
-    run([&["record", text(&recording)], &with[..]].concat()).done();
-    let replayed = run(["replay", text(&recording)]).done();
-    assert_eq!(keys(&replayed.out), TAPPED, "{}", replayed.err);
-
+    assert_tapped_and_replayed(&with);
     let readings = run([&["trace", "readings"], &with[..]].concat()).done();
     let first = readings.out.lines().next().expect("a reading");
     assert!(
@@ -53,8 +52,8 @@ fn a_file_of_landmarks_is_typed_recorded_and_replayed() {
         "{first}"
     );
     let poses = run([&["trace", "pose"], &with[..]].concat()).done();
-    let pose: serde_json::Value =
-        serde_json::from_str(poses.out.lines().last().expect("a pose")).expect("a line of JSON");
+    let poses = objects(&poses.out);
+    let pose = poses.last().expect("a pose");
     let across = pose["positions"]["index-finger-tip"][0].as_f64();
     let across = across.expect("the position of the finger");
     assert!((across + 0.03).abs() < 1e-5, "{across}");
@@ -95,9 +94,7 @@ fn a_trace_of_a_recording_shows_both_hands_and_touches_its_own_layout() {
         let source = format!("recording:{recording}");
         let ended = run(["trace", stage, "--source", &source]).done();
         ended.reported(&format!("using the setup in {recording}\n"));
-        let lines = ended.out.lines();
-        let lines = lines.map(|line| serde_json::from_str(line).expect("an object"));
-        lines.collect::<Vec<serde_json::Value>>()
+        objects(&ended.out)
     };
     for stage in ["angles", "pose"] {
         let lines = trace(stage);

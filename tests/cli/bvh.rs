@@ -10,7 +10,7 @@ use ademan::hand::{Joint, Side};
 
 use crate::body_landmarks::two_hands;
 use crate::support::process::Process;
-use crate::text_line::pressed_keys;
+use crate::text_line::{assert_typed_and_replayed, pressed_keys};
 use crate::{Ended, ademan, file, run, run_to_end, text};
 
 const KEYS: [&str; 4] = ["H", "O", "L", "A"];
@@ -25,13 +25,7 @@ fn an_exported_hand_is_typed_recorded_and_replayed() {
     export.reported("frames written to");
 
     let source = format!("file:{exported}?protocol=bvh");
-    let typed = run(["run", "--source", &source, "--output", "transcript"]).done();
-    assert_eq!(pressed_keys(&typed.out), KEYS, "{}", typed.err);
-
-    let recording = folder.path().join("hand.mcap");
-    run(["record", text(&recording), "--source", &source]).done();
-    let replayed = run(["replay", text(&recording)]).done();
-    assert_eq!(pressed_keys(&replayed.out), KEYS, "{}", replayed.err);
+    assert_typed_and_replayed(&["--source", &source], &KEYS);
 }
 
 #[test]

@@ -13,7 +13,9 @@ use std::time::{Duration, Instant};
 
 use crate::support::glove::Glove;
 use crate::support::process::{Process, signal};
-use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, postures, shipped};
+use crate::support::run::{
+    ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, postures, shipped, without_time,
+};
 use crate::{Ended, run_in, run_to_end, text};
 use ademan::files::OpenDocument;
 use ademan::session::control_socket::Client;
@@ -697,16 +699,9 @@ fn a_zeroed_hand_is_undone_recorded_and_replayed() {
     assert_eq!(seen, ["down H", "up H", "down H", "up H"]);
     ctl(&run, &["stop"]).done();
 
-    let replayed = run_in(run.folder.path(), ["replay", "hand.mcap"]);
-    let replayed: Vec<String> = events_of(&replayed.out)
-        .iter()
-        .map(|line| {
-            line.split_whitespace()
-                .skip(1)
-                .collect::<Vec<_>>()
-                .join(" ")
-        })
-        .collect();
+    let replay = run_in(run.folder.path(), ["replay", "hand.mcap"]);
+    let events = events_of(&replay.out).into_iter().map(without_time);
+    let replayed: Vec<String> = events.collect();
     assert_eq!(
         replayed, seen,
         "a replay without the command presses a third time"

@@ -4,9 +4,9 @@ use ademan::capture::protocol::{body_landmarks, hand_landmarks, holistic};
 use ademan::hand::{Finger, Joint, JointPositions, Side};
 use glam::DVec3;
 
-use crate::body_landmarks::{TAPPED, keys};
+use crate::body_landmarks::{assert_tapped_and_replayed, keys};
 use crate::support::body::{ONE_KEY, RATE_HZ, taps};
-use crate::{file, run, text};
+use crate::{file, run};
 
 /// Returns a straight hand whose index fingertip is as far from the wrist as in the body. The other fingers are short.
 fn hand() -> JointPositions {
@@ -46,13 +46,7 @@ fn a_body_with_its_hand_is_typed_recorded_and_replayed() {
     let path = file(&folder, "whole.jsonl", lines(true));
     let source = format!("file:{path}?protocol=holistic&camera=head");
     let with = ["--source", &source, "--layout", &layout];
-    let typed = run([&["run", "--output", "transcript"], &with[..]].concat()).done();
-    assert_eq!(keys(&typed.out), TAPPED, "{}{}", typed.out, typed.err);
-
-    let recording = folder.path().join("whole.mcap");
-    run([&["record", text(&recording)], &with[..]].concat()).done();
-    let replayed = run(["replay", text(&recording)]).done();
-    assert_eq!(keys(&replayed.out), TAPPED, "{}", replayed.err);
+    assert_tapped_and_replayed(&with);
 }
 
 #[test]

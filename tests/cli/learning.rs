@@ -15,7 +15,7 @@ use tempfile::NamedTempFile;
 
 use crate::control::{ctl, events_of};
 use crate::support::press::{Posture, reading};
-use crate::support::run::{ARMED, MOVE_TIME, Run, postures};
+use crate::support::run::{ARMED, MOVE_TIME, Run, postures, without_time};
 use crate::{run, run_in};
 
 /// The time for which a finger is stretched.
@@ -132,13 +132,8 @@ fn a_learned_range_is_shown_undone_recorded_and_replayed() {
 
     let replay = || run_in(run.folder.path(), ["replay", "hand.mcap"]).out;
     let first = replay();
-    let words = |line: &&str| {
-        line.split_whitespace()
-            .skip(1)
-            .collect::<Vec<_>>()
-            .join(" ")
-    };
-    let replayed: Vec<String> = events_of(&first).iter().map(words).collect();
+    let events = events_of(&first).into_iter().map(without_time);
+    let replayed: Vec<String> = events.collect();
     assert_eq!(replayed, seen, "a replay learns the same");
     assert_eq!(replay(), first);
 }

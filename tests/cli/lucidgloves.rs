@@ -4,8 +4,8 @@ use ademan::capture::protocol::lucidgloves::Fields;
 use ademan::hand::Finger;
 
 use crate::support::lucidgloves::{RATE_HZ, chords, curls};
-use crate::text_line::pressed_keys;
-use crate::{file, run, text};
+use crate::text_line::{assert_typed_and_replayed, pressed_keys};
+use crate::{file, run};
 
 const KEYS: [&str; 5] = ["H", "E", "L", "L", "O"];
 
@@ -16,10 +16,7 @@ fn lines_of_a_glove_are_typed_traced_recorded_and_replayed() {
     let path = file(&folder, "glove.txt", lines);
     let source = format!("file:{path}?protocol=lucidgloves&rate_hz={RATE_HZ}");
     let source = ["--source", &source, "--layout", "chords-bend"];
-    let command = |name: &'static str| [&[name], &source[..]].concat();
-    let typed = run(command("run")).done();
-    assert_eq!(pressed_keys(&typed.out), KEYS, "{}", typed.err);
-
+    assert_typed_and_replayed(&source, &KEYS);
     for (stage, part) in [
         ("readings", r#""full_scale":4095,"channels":[0,0,0"#),
         ("angles", r#""elbow-flexion":0.6"#),
@@ -29,11 +26,6 @@ fn lines_of_a_glove_are_typed_traced_recorded_and_replayed() {
         let first = traced.out.lines().next().unwrap_or_default();
         assert!(first.contains(part), "{first}");
     }
-
-    let recording = folder.path().join("glove.mcap");
-    run([&["record", text(&recording)], &source[..]].concat()).done();
-    let replayed = run(["replay", text(&recording)]).done();
-    assert_eq!(pressed_keys(&replayed.out), KEYS, "{}", replayed.err);
 }
 
 #[test]

@@ -104,6 +104,8 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use serde_json::Value;
+
 /// The program on a machine without a desktop.
 fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
     let mut command = crate::support::binary::ademan(arguments);
@@ -177,6 +179,18 @@ fn run(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
 /// Runs the program in a folder.
 fn run_in(folder: &Path, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
     run_to_end(ademan(arguments).current_dir(folder))
+}
+
+/// Returns the objects in lines of JSON.
+fn objects(lines: &str) -> Vec<Value> {
+    let objects = lines.lines().map(serde_json::from_str);
+    objects.map(|it| it.expect("a line of JSON")).collect()
+}
+
+/// Returns the numbers in a list of JSON.
+fn numbers(list: &Value) -> Vec<f64> {
+    let numbers = list.as_array().expect("a list").iter();
+    numbers.map(|it| it.as_f64().expect("a number")).collect()
 }
 
 /// A path as an argument.

@@ -26,6 +26,17 @@ pub fn pressed_keys(transcript: &str) -> Vec<&str> {
         .collect()
 }
 
+/// Asserts that a run with these options, and the replay of their recording, press these keys.
+pub fn assert_typed_and_replayed(options: &[&str], keys: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("hand.mcap");
+    let typed = run([&["run", "--output", "transcript"][..], options].concat()).done();
+    assert_eq!(pressed_keys(&typed.out), keys, "{}", typed.err);
+    run([&["record", text(&recording)][..], options].concat()).done();
+    let replayed = run(["replay", text(&recording)]).done();
+    assert_eq!(pressed_keys(&replayed.out), keys, "{}", replayed.err);
+}
+
 /// Starts a run of text lines on its standard input, with pipes, and returns the end to write to.
 fn reading_lines() -> (Child, ChildStdin) {
     let source = "stdin:?protocol=text-line";
@@ -44,13 +55,7 @@ fn a_file_of_text_lines_is_typed_recorded_and_replayed() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(&folder, "angles.txt", text_lines(TYPED).concat());
     let source = format!("file:{path}?protocol=text-line&rate_hz=170");
-    let typed = run(["run", "--source", &source, "--output", "transcript"]).done();
-    assert_eq!(pressed_keys(&typed.out), KEYS, "{}", typed.err);
-
-    let recording = folder.path().join("angles.mcap");
-    run(["record", text(&recording), "--source", &source]).done();
-    let replayed = run(["replay", text(&recording)]).done();
-    assert_eq!(pressed_keys(&replayed.out), KEYS, "{}", replayed.err);
+    assert_typed_and_replayed(&["--source", &source], &KEYS);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use ademan::device::KeyCode;
 use ademan::hand::{Dof, Finger, Joint};
 use serde_json::{Map, Value};
 
-use super::{Ended, ademan, file, run, text};
+use super::{Ended, ademan, file, numbers, run, text};
 use crate::support::source::text_lines;
 
 /// The objects of a stage while `hi` is typed. Their times must not decrease.
@@ -29,14 +29,6 @@ fn lines(stage: &str) -> Vec<Map<String, Value>> {
         assert!(times.is_sorted(), "{times:?}");
     }
     lines
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let values = value.as_array().expect("it is a list");
-    values
-        .iter()
-        .map(|number| number.as_f64().expect("it is a number"))
-        .collect()
 }
 
 #[test]

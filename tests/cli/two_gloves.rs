@@ -3,10 +3,9 @@
 use ademan::files::Load;
 use ademan::hand::{Dof, Side};
 use ademan::layout::Glove;
-use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::{file, run, run_in};
+use crate::{file, objects, run, run_in};
 
 /// Packets of one posture.
 const PACKETS: usize = 120;
@@ -70,11 +69,7 @@ fn one_converter_carries_the_gloves_of_both_hands() {
     let folder = tempfile::tempdir().expect("a folder");
     let setup = setup(&folder, "glove: \"left.ron\"");
     let traced = run_in(folder.path(), ["trace", "pose", "--setup", &setup]).done();
-    let poses: Vec<Value> = traced
-        .out
-        .lines()
-        .map(|line| serde_json::from_str(line).expect("an object"))
-        .collect();
+    let poses = objects(&traced.out);
     let heights = |side: Side| -> Vec<f64> {
         let own = poses.iter().filter(|pose| pose["side"] == side.name());
         own.map(|pose| {

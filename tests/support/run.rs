@@ -193,7 +193,11 @@ fn send(listener: &TcpListener, posture: &Mutex<Posture>) {
 /// Waits for the next event of a transcript, and returns it without its time.
 pub fn next_event(transcript: &Receiver<String>) -> String {
     let line = transcript.recv_timeout(TIMEOUT);
-    let line = line.expect("an event");
+    without_time(&line.expect("an event"))
+}
+
+/// Returns a line of a transcript without its time.
+pub fn without_time(line: &str) -> String {
     let words: Vec<&str> = line.split_whitespace().skip(1).collect();
     words.join(" ")
 }

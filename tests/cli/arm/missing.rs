@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use super::{NAMES, assert_close, left_arm, lines, vectors};
-use crate::{file, run};
+use super::{NAMES, assert_close, left_arm, vectors};
+use crate::{file, objects, run};
 
 #[test]
 fn missing_landmarks_cost_only_the_attributes_that_need_them() {
@@ -20,7 +20,7 @@ fn missing_landmarks_cost_only_the_attributes_that_need_them() {
     let nan = file(&folder, "nan.json", nan);
     let of_nan = run(["arm", "attributes", &nan, "--image-size", &size]).done();
     assert_eq!(of_nan.out, printed.out);
-    let line = &lines(&printed.out)[0];
+    let line = &objects(&printed.out)[0];
     let known = NAMES.iter().filter(|(reference, name)| {
         let expected = &case["attributes"][format!("left_{reference}")];
         let found = &line["left"][name];
@@ -41,7 +41,7 @@ fn missing_landmarks_cost_only_the_attributes_that_need_them() {
     elbow_rows[2] = Value::Null;
     let elbow_pose = file(&folder, "elbow.json", elbow_rows.to_string());
     let hand = run(["arm", "attributes", &elbow_pose, "--image-size", &size]).done();
-    let hand = &lines(&hand.out)[0]["left"];
+    let hand = &objects(&hand.out)[0]["left"];
     for (reference, name) in NAMES {
         if name.ends_with("_vector") {
             let expected = &case["attributes"][format!("left_{reference}")];
@@ -56,7 +56,7 @@ fn missing_landmarks_cost_only_the_attributes_that_need_them() {
     hip_rows[12] = Value::Null;
     let hip_pose = file(&folder, "hip.json", hip_rows.to_string());
     let without_hip = run(["arm", "attributes", &hip_pose, "--image-size", &size]).done();
-    let without_hip = &lines(&without_hip.out)[0]["left"];
+    let without_hip = &objects(&without_hip.out)[0]["left"];
     for (reference, name) in NAMES {
         if ["shoulder_direction", "shoulder_rotation", "elbow_rotation"].contains(&name) {
             assert!(without_hip[name].is_null(), "{name}: {without_hip}");
@@ -91,7 +91,7 @@ fn a_signed_rotation_keeps_its_sign_without_the_hand() {
         "--image-size",
         &size,
     ]);
-    let found = lines(&printed.done().out);
+    let found = objects(&printed.done().out);
     assert_eq!(found.len(), 2);
     let rotation = |line: usize, side: &str| {
         let rotation = &found[line][side]["shoulder_rotation"];
@@ -122,7 +122,7 @@ fn a_straight_or_folded_arm_without_its_hand_has_no_shoulder_rotation() {
     let poses = wrists.map(|(wrist, ..)| left_arm(wrist).to_string());
     let poses = file(&folder, "poses.jsonl", poses.join("\n"));
     let printed = run(["arm", "attributes", &poses]).done();
-    let found = lines(&printed.out);
+    let found = objects(&printed.out);
     assert_eq!(found.len(), wrists.len());
     for (line, (wrist, angle, has_rotation)) in found.iter().zip(wrists) {
         let left = &line["left"];

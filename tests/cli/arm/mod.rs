@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::support::peers::peer;
 use crate::text_line::pressed_keys;
-use crate::{file, run, run_in, text};
+use crate::{file, objects, run, run_in, text};
 
 /// The names of attributes in the vectors, and here.
 const NAMES: [(&str, &str); 11] = [
@@ -32,13 +32,6 @@ fn vectors() -> Vec<Value> {
     let cases = vectors["cases"].as_array().expect("a list of cases").iter();
     let is_pose = |case: &&Value| case["kind"] == "pose_to_attributes";
     cases.filter(is_pose).cloned().collect()
-}
-
-fn lines(text: &str) -> Vec<Value> {
-    let lines = text.lines();
-    lines
-        .map(|line| serde_json::from_str(line).expect("a line of JSON"))
-        .collect()
 }
 
 fn assert_close(found: &Value, expected: &Value, tolerance: f64, what: &str) {
@@ -66,7 +59,7 @@ fn normalised_landmarks_have_the_attributes_of_the_reference() {
         let size = format!("{},{}", case["width"], case["height"]);
         let pose = file(&folder, "pose.json", case["half_pose"].to_string());
         let printed = run(["arm", "attributes", &pose, "--image-size", &size]).done();
-        let line = &lines(&printed.out)[0];
+        let line = &objects(&printed.out)[0];
         std::fs::remove_file(&pose).unwrap();
         if !case["attributes"].is_object() {
             // The reference refuses the pose: here what it does not determine is null.
@@ -116,7 +109,7 @@ fn signed_attributes_give_the_landmarks_of_a_recorded_person_back() {
     let poses = file(&folder, "poses.jsonl", squats.join("\n"));
     let attributes = run(["arm", "attributes", &poses, "--signed"]).done();
     let attributes = file(&folder, "attributes.jsonl", &attributes.out);
-    let back = lines(&run(["arm", "landmarks", &attributes]).done().out);
+    let back = objects(&run(["arm", "landmarks", &attributes]).done().out);
     assert_eq!(back.len(), squats.len());
     for (pose, line) in back.iter().zip(&squats) {
         let original: Value = serde_json::from_str(line).unwrap();
@@ -138,7 +131,7 @@ fn a_movement_joins_its_postures_and_no_bone_shrinks_on_the_way() {
     let made = ["arm", "between", &start, &end, "--ms", "500", "--output"];
     let written = run(made.into_iter().chain([text(&movement)])).done();
     assert_eq!(written.err, format!("wrote {}\n", movement.display()));
-    let poses = lines(&std::fs::read_to_string(&movement).unwrap());
+    let poses = objects(&std::fs::read_to_string(&movement).unwrap());
     assert_eq!(poses.len(), 31);
     let ends = [&squats[0], &squats[12]].map(|line| serde_json::from_str::<Value>(line).unwrap());
     for (pose, original) in [(&poses[0], &ends[0]), (&poses[30], &ends[1])] {
@@ -155,7 +148,7 @@ fn a_movement_joins_its_postures_and_no_bone_shrinks_on_the_way() {
 
     let source = format!("file:{}?protocol=body-landmarks", text(&movement));
     let angles = run(["trace", "angles", "--source", &source]).done();
-    assert!(lines(&angles.out).len() >= 31, "{}", angles.err);
+    assert!(objects(&angles.out).len() >= 31, "{}", angles.err);
     let typed = run(["run", "--source", &source, "--output", "transcript"]).done();
     assert!(pressed_keys(&typed.out).is_empty(), "{}", typed.out);
 
@@ -187,7 +180,7 @@ fn a_file_of_attributes_or_landmarks_is_named_on_standard_error() {
             (ended.out, ended.err),
             (String::new(), format!("wrote {to}\n"))
         );
-        assert_eq!(lines(&std::fs::read_to_string(to).unwrap()).len(), 1);
+        assert_eq!(objects(&std::fs::read_to_string(to).unwrap()).len(), 1);
     }
     let print = ["arm", "landmarks", attributes.as_str(), "--output", "-"];
     let printed = run_in(folder.path(), print);
@@ -329,7 +322,7 @@ fn attributes_out_of_their_ranges_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let pose = file(&folder, "pose.json", vectors()[0]["half_pose"].to_string());
     let printed = run(["arm", "attributes", &pose, "--signed"]).done();
-    let good = &lines(&printed.out)[0];
+    let good = &objects(&printed.out)[0];
     for (name, value, reason) in [
         (
             "shoulder_direction",
