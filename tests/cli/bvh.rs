@@ -2,14 +2,13 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
 
 use ademan::capture::bvh::{Bvh, HandJoints, PositionChannels};
 use ademan::hand::{Joint, Side};
 
 use crate::body_landmarks::two_hands;
 use crate::support::process::Process;
+use crate::support::x11::wait_for;
 use crate::text_line::{assert_typed_and_replayed, pressed_keys};
 use crate::{Ended, ademan, file, run, run_to_end, text};
 
@@ -187,15 +186,7 @@ fn a_killed_run_leaves_a_whole_file() {
     let mut program = Process::start(&mut command).unwrap();
     let length = || path.metadata().map_or(0, |metadata| metadata.len());
     // The skeleton, then a block of frames.
-    let start = Instant::now();
-    while length() < 50_000 {
-        assert!(
-            start.elapsed() < Duration::from_secs(60),
-            "{} bytes",
-            length()
-        );
-        thread::sleep(Duration::from_millis(10));
-    }
+    assert!(wait_for(|| length() >= 50_000), "{} bytes", length());
     program.0.kill().unwrap();
     program.0.wait().unwrap();
     assert!(frames(&path) >= 100);

@@ -3,8 +3,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-#[cfg(target_os = "linux")]
-use std::time::{Duration, Instant};
 
 use ademan::cameras::{Camera, CamerasFile, CamerasFormat};
 use glam::{DMat3, DQuat, DVec2, DVec3};
@@ -12,7 +10,7 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 #[cfg(target_os = "linux")]
 use crate::support::process::{Process, signal};
 #[cfg(target_os = "linux")]
-use crate::support::run::TIMEOUT;
+use crate::support::x11::wait_for;
 use crate::{Ended, ademan, file, run, run_to_end, text};
 
 const SIZE: [usize; 2] = [480, 360];
@@ -394,11 +392,7 @@ fn an_interruption_leaves_no_part_of_the_lines() {
     let mut command = ademan(["cameras", "markers", &film, "--rate-hz", "30", "--output"]);
     command.arg(&lines).env("PATH", path);
     let mut program = Process::start(&mut command).unwrap();
-    let start = Instant::now();
-    while !lines.exists() {
-        assert!(start.elapsed() < TIMEOUT, "no file");
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    assert!(wait_for(|| lines.exists()), "no file");
     signal("INT", program.0.id());
     assert_eq!(program.0.wait().unwrap().code(), Some(130));
     assert!(!lines.exists());

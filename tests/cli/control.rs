@@ -16,6 +16,7 @@ use crate::support::process::{Process, signal};
 use crate::support::run::{
     ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, postures, shipped, without_time,
 };
+use crate::support::x11::wait_for;
 use crate::{Ended, run_in, run_to_end, text};
 use ademan::files::OpenDocument;
 use ademan::session::control_socket::Client;
@@ -74,12 +75,9 @@ fn ctl_at(socket: &Path, arguments: &[&str]) -> Ended {
     crate::run(["ctl", "--socket", text(socket)].iter().chain(arguments))
 }
 
-fn wait_until(mut done: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !done() {
-        assert!(start.elapsed() < TIMEOUT, "timed out");
-        thread::sleep(Duration::from_millis(2));
-    }
+#[track_caller]
+fn wait_until(done: impl FnMut() -> bool) {
+    assert!(wait_for(done), "timed out");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::io::Write;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crossbeam_channel::Receiver;
 use serialport::{SerialPort, TTYPort};
@@ -14,6 +14,7 @@ use serialport::{SerialPort, TTYPort};
 use crate::support::glove::pseudo_terminal;
 use crate::support::process::Process;
 use crate::support::run::{ARMED, TIMEOUT, next_event, start_with_lines};
+use crate::support::x11::wait_for;
 use crate::{ademan, file};
 
 /// The time between two lines.
@@ -121,11 +122,8 @@ impl Run {
     /// Waits until some lines with the present inputs were sent.
     fn hold(&self) {
         let end = self.lines.load(Ordering::Relaxed) + 10;
-        let start = Instant::now();
-        while self.lines.load(Ordering::Relaxed) < end {
-            assert!(start.elapsed() < TIMEOUT, "the glove sends nothing");
-            thread::sleep(PERIOD);
-        }
+        let is_sent = || self.lines.load(Ordering::Relaxed) >= end;
+        assert!(wait_for(is_sent), "the glove sends nothing");
     }
 
     /// Waits for the next press, release, motion or scrolling.

@@ -7,13 +7,13 @@ use std::process::Stdio;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use crate::run_in;
 use crate::support::binary::ademan;
 use crate::support::press::postures;
 use crate::support::process::Process;
 use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, start_with_lines};
+use crate::support::x11;
 use ademan::capture::Hc11Format;
 use ademan::capture::hc11::{Framing, encode};
 use ademan::session::control_socket::Client;
@@ -32,15 +32,12 @@ fn request(run: &Run, line: &str) -> Value {
 
 /// Waits until the state of the session is as `is_so` says.
 fn wait_for_state(run: &Run, is_so: impl Fn(&Value) -> bool) {
-    let start = Instant::now();
-    loop {
-        let state = request(run, r#"{"command":"state"}"#);
-        if is_so(&state) {
-            return;
-        }
-        assert!(start.elapsed() < TIMEOUT, "{state}");
-        thread::sleep(Duration::from_millis(5));
-    }
+    let mut state = Value::Null;
+    let is_over = x11::wait_for(|| {
+        state = request(run, r#"{"command":"state"}"#);
+        is_so(&state)
+    });
+    assert!(is_over, "{state}");
 }
 
 /// Returns `true` if this many presses were suppressed in a state.
@@ -237,11 +234,9 @@ fn a_source_on_the_network_ends_its_own_pause_but_no_pause_by_a_command() {
     wait_for(by_layout);
     wait_for(ARMED);
     ctl("pause");
-    let (before, start) = (played.load(Ordering::Relaxed), Instant::now());
-    while played.load(Ordering::Relaxed) < before + 4 {
-        assert!(start.elapsed() < TIMEOUT, "the hand stands still");
-        thread::sleep(MOVE_TIME);
-    }
+    let before = played.load(Ordering::Relaxed);
+    let has_moved = || played.load(Ordering::Relaxed) >= before + 4;
+    assert!(x11::wait_for(has_moved), "the hand stands still");
     let state = ctl("state");
     assert!(
         state.starts_with("state      paused by a command\n"),

@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::mpsc;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::support::process::signal;
+use crate::support::x11::wait_for;
 
 const ENTER_ALTERNATE_SCREEN: &str = "\x1b[?1049h";
 const LEAVE_ALTERNATE_SCREEN: &str = "\x1b[?1049l";
@@ -179,11 +180,7 @@ pub fn ends(process: &str) -> bool {
     let status = format!("/proc/{process}/stat");
     // An ended process whose parent is gone may stay as a zombie.
     let has_ended = || fs::read_to_string(&status).map_or(true, |status| status.contains(") Z "));
-    let start = Instant::now();
-    while !has_ended() && start.elapsed() < Duration::from_secs(60) {
-        thread::sleep(Duration::from_millis(20));
-    }
-    has_ended()
+    wait_for(has_ended)
 }
 
 /// Waits until the thread that draws has written nothing for 1 s.

@@ -10,6 +10,7 @@ use super::{is_lit, set_terminal, stop_and_continue};
 use crate::ademan;
 use crate::support::process::{Process, signal};
 use crate::support::run::{Run, TIMEOUT};
+use crate::support::x11::wait_for;
 use ademan::layout::Fit;
 use ademan::session::control_socket::{Client, WatchClient};
 use ademan::setup::Setup;
@@ -74,11 +75,7 @@ fn wait_until_it_handles_signals(process: u32) {
         let mask = u64::from_str_radix(caught.expect("a mask").trim(), 16).expect("a number");
         mask & 1 << (15 - 1) != 0
     };
-    let start = Instant::now();
-    while !handles() {
-        assert!(start.elapsed() < TIMEOUT, "it handles no signal");
-        thread::sleep(Duration::from_millis(2));
-    }
+    assert!(wait_for(handles), "it handles no signal");
 }
 
 #[test]

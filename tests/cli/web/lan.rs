@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -13,6 +13,7 @@ use super::folder;
 use super::headset::{LOOK, SPEED, browser, enter, type_with_the_hand};
 use crate::browser::Browser;
 use crate::support::process::Process;
+use crate::support::x11::wait_for;
 use crate::{ademan, text};
 
 /// A program that serves the page to a headset, and its settings.
@@ -77,15 +78,8 @@ impl Server {
     }
 
     fn wait_for(&self, expected: &str, is_expected: impl Fn(&str) -> bool) {
-        let start = Instant::now();
-        while !is_expected(&self.typed()) {
-            assert!(
-                start.elapsed() < Duration::from_secs(60),
-                "{expected}: {}",
-                self.typed()
-            );
-            std::thread::sleep(Duration::from_millis(20));
-        }
+        let is_typed = wait_for(|| is_expected(&self.typed()));
+        assert!(is_typed, "{expected}: {}", self.typed());
     }
 }
 
@@ -274,20 +268,15 @@ fn a_page_says_that_another_headset_is_read_as_long_as_it_is() {
 /// Waits until the state of the session contains these words.
 fn wait_for_state(server: &Server, words: &str) {
     let control = server.home.path().join("control");
-    let start = Instant::now();
-    loop {
-        let asked = server.ademan(&["ctl", "--socket", text(&control), "state"]);
-        let output = { asked }.output().expect("it starts");
-        let state = String::from_utf8_lossy(&output.stdout).into_owned();
-        if state.contains(words) {
-            return;
-        }
-        assert!(
-            start.elapsed() < Duration::from_secs(60),
-            "{words}: {output:?}"
-        );
-        std::thread::sleep(Duration::from_millis(20));
-    }
+    let mut last = None;
+    let is_there = wait_for(|| {
+        let mut asked = server.ademan(&["ctl", "--socket", text(&control), "state"]);
+        let output = asked.output().expect("it starts");
+        let is_there = String::from_utf8_lossy(&output.stdout).contains(words);
+        last = Some(output);
+        is_there
+    });
+    assert!(is_there, "{words}: {last:?}");
 }
 
 #[test]
@@ -413,15 +402,8 @@ fn a_server_in_the_background_of_a_terminal_goes_on_and_is_given_consent_when_it
         let output = ademan(["ctl", "--socket", text(&control), request]).output();
         output.expect("it starts").status.success()
     };
-    let start = Instant::now();
-    while !succeeds("state") {
-        assert!(
-            start.elapsed() < Duration::from_secs(60),
-            "no session:\n{}",
-            screen.text()
-        );
-        std::thread::sleep(Duration::from_millis(20));
-    }
+    let is_running = wait_for(|| succeeds("state"));
+    assert!(is_running, "no session:\n{}", screen.text());
     // The shell reads the first line, and the program the second one.
     screen.type_keys("\rallow\r");
     screen.wait_for_text("the headset may press keys");
