@@ -356,9 +356,5 @@ fn aseqdump_receives_the_notes_of_a_virtual_port() {
         lines.any(|line| line.contains("Note on"))
     };
     // The port exists a moment after the start.
-    let start = std::time::Instant::now();
-    while !has_note() {
-        assert!(start.elapsed() < Duration::from_secs(60), "no note arrives");
-        thread::sleep(Duration::from_millis(100));
-    }
+    assert!(crate::support::x11::wait_for(has_note), "no note arrives");
 }

@@ -11,6 +11,7 @@ use self::client::{Client, TIMEOUT};
 use crate::support::binary::ademan;
 use crate::support::full_pipe::full_pipe;
 use crate::support::process::Process;
+use crate::support::x11::wait_for;
 use ademan::device::{Axis, Capabilities, EventKind, OutputEvent};
 use ademan::output::{self, OutputError, Sink};
 use ademan::time::Timestamp;
@@ -46,19 +47,6 @@ fn down(millis: u64, name: &str) -> OutputEvent {
 
 fn up(millis: u64, name: &str) -> OutputEvent {
     at(millis, EventKind::KeyUp(name.parse().expect("a key")))
-}
-
-/// Waits until a file exists.
-fn wait_for(path: &Path) {
-    let start = Instant::now();
-    while !path.exists() {
-        assert!(
-            start.elapsed() < TIMEOUT,
-            "{} does not exist",
-            path.display()
-        );
-        thread::sleep(Duration::from_millis(10));
-    }
 }
 
 #[test]
@@ -167,11 +155,8 @@ fn the_seventeenth_client_is_rejected() {
         assert_eq!(client.receive::<8>()[..3], [1, 2, 1]);
     }
     clients.pop();
-    let start = Instant::now();
     // The server accepts another client as soon as it has seen the disconnection.
-    while !Client::connect(&path).is_accepted() {
-        assert!(start.elapsed() < TIMEOUT);
-    }
+    assert!(wait_for(|| Client::connect(&path).is_accepted()));
 }
 
 #[test]
@@ -224,7 +209,7 @@ fn a_lever_sends_motion() {
     // `none` receives everything else.
     let mut program = run("workshop", LEVER, "spacenav,none");
     let mut program = Process::start(program.env("XDG_RUNTIME_DIR", folder.path())).unwrap();
-    wait_for(&path);
+    assert!(wait_for(|| path.exists()), "no socket");
     let above = std::fs::metadata(path.parent().unwrap()).unwrap();
     assert_eq!(above.permissions().mode() & 0o777, 0o700);
     let received = Client::connect(&path).read_to_end();
@@ -253,7 +238,7 @@ fn a_lever_returns_to_its_center_while_nobody_reads_the_standard_streams() {
     let output = format!("transcript,spacenav:{},none", path.display());
     let mut command = run("workshop", LEVER, &output);
     let mut program = Process::start(command.stdout(stdout).stderr(stderr)).unwrap();
-    wait_for(&path);
+    assert!(wait_for(|| path.exists()), "no socket");
     let received = Client::connect(&path).read_to_end();
     assert_lifted(&received.iter().map(|packet| packet[2]).collect::<Vec<_>>());
     assert!(program.0.wait().unwrap().success());
@@ -292,7 +277,7 @@ fn lines_of_two_clients(layout: &str, source: &str) -> Option<[Vec<String>; 2]> 
     let path = folder.path().join("spnav.sock");
     let output = format!("spacenav:{},none", path.display());
     let _program = Process::start(&mut run(layout, source, &output)).unwrap();
-    wait_for(&path);
+    assert!(wait_for(|| path.exists()), "no socket");
     let clients = ["1", "2"].map(|sensitivity| {
         let mut client = Command::new(&client);
         client.arg(sensitivity).env("SPNAV_SOCKET", &path);

@@ -1,6 +1,6 @@
 //! Sources that are chosen in the window of the real program, with the keyboard of an X server.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt, ImageFormat, KEY_PRESS_EVENT, KEY_RELEASE_EVENT};
@@ -8,7 +8,7 @@ use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 use super::safety::{Session, TRANSCRIPT};
-use crate::support::x11::{XServer, wait_for};
+use crate::support::x11::{XServer, wait_at_most, wait_for};
 
 /// Keysyms of keys without a character.
 const F9: u32 = 0xffc6;
@@ -68,14 +68,10 @@ impl Keyboard {
         let wanted = !self.is_open();
         for _ in 0..10 {
             self.tap(F9);
-            let deadline = Instant::now() + TAP_TIMEOUT;
-            while Instant::now() < deadline {
-                if self.is_open() == wanted {
-                    // The field gets the focus with the next picture.
-                    std::thread::sleep(Duration::from_millis(500));
-                    return;
-                }
-                std::thread::sleep(Duration::from_millis(50));
+            if wait_at_most(TAP_TIMEOUT, || self.is_open() == wanted) {
+                // The field gets the focus with the next picture.
+                std::thread::sleep(Duration::from_millis(500));
+                return;
             }
         }
         panic!("F9 changes nothing");
