@@ -13,11 +13,11 @@ use crate::support::binary::ademan;
 use crate::support::press::postures;
 use crate::support::process::Process;
 use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, start_with_lines};
+use crate::support::wearer::shipped_setup;
 use crate::support::x11;
 use ademan::capture::Hc11Format;
 use ademan::capture::hc11::{Framing, encode};
 use ademan::session::control_socket::Client;
-use ademan::setup::Setup;
 use serde_json::Value;
 
 /// A setup without a role.
@@ -175,11 +175,7 @@ fn a_source_of_another_machine_that_types_without_a_credential_is_reported() {
 
 /// Plays the script `tap pause` on the layout `switches` again and again, and counts how often it has ended.
 fn serve_pause_key(listener: &TcpListener, played: &AtomicU32) {
-    let setup = Setup {
-        layout: "switches".into(),
-        ..Setup::default()
-    };
-    let setup = setup.load_files().expect("a shipped layout");
+    let setup = shipped_setup("switches");
     let (mut line, _) = listener.accept().expect("the program connects");
     loop {
         let hand = setup.scripted("tap pause", &Hc11Format::default(), 0.0, 0);

@@ -1,21 +1,12 @@
 //! Multitap keys whose letters the text decoder finds from the words, one tap a letter.
 
-use std::num::NonZeroU32;
-
 use ademan::capture::Hc11Format;
 use ademan::command::CommandOrigin;
-use ademan::setup::Setup;
-use ademan::text::{TextModeSchema, TextSetup};
+use ademan::text::TextModeSchema;
 
 use super::swipes::setup;
-use super::text::{Typed, play};
-
-fn line(baud: u32) -> Hc11Format {
-    Hc11Format {
-        baud: NonZeroU32::new(baud).expect("a baud"),
-        ..Hc11Format::default()
-    }
-}
+use super::text::{Typed, play, spanish};
+use crate::support::press::glove_format_at;
 
 fn types(mode: TextModeSchema, text: &str, format: &Hc11Format) -> String {
     let setup = setup("phone-pad", Some(mode));
@@ -26,7 +17,7 @@ fn types(mode: TextModeSchema, text: &str, format: &Hc11Format) -> String {
 /// Performs a script on a pad with keys for the modes and the candidates, at a rate at which taps in a row are in time.
 fn performs(script: &str) -> String {
     let setup = setup("phone-words", None);
-    let hand = setup.scripted(script, &line(115_200), 0.0, 0);
+    let hand = setup.scripted(script, &glove_format_at(115_200), 0.0, 0);
     play(&setup, hand.expect("a script"), |_, _, _| {}).text
 }
 
@@ -34,28 +25,21 @@ fn performs(script: &str) -> String {
 fn one_tap_is_one_letter_however_fast_the_taps_follow() {
     let text = "the cab is at home ";
     for baud in [9_600, 115_200] {
-        assert_eq!(types(TextModeSchema::Auto, text, &line(baud)), text);
+        assert_eq!(
+            types(TextModeSchema::Auto, text, &glove_format_at(baud)),
+            text
+        );
     }
     // Nothing is replaced before a candidate is taken.
-    let first_letters = types(TextModeSchema::Suggest, text, &line(115_200));
+    let first_letters = types(TextModeSchema::Suggest, text, &glove_format_at(115_200));
     assert_eq!(first_letters, "tgd aaa gp at gmmd ");
 }
 
 #[test]
 fn a_word_with_an_accent_is_found_where_the_output_has_none() {
-    let setup = Setup {
-        layout: "phone-pad".into(),
-        text: Some(TextSetup {
-            mode: Some(TextModeSchema::Auto),
-            language: "es".into(),
-            ..TextSetup::default()
-        }),
-        // A keyboard of the kernel has no `ó`.
-        output: "uinput".into(),
-        ..Setup::default()
-    };
-    let setup = setup.load_files().expect("the shipped layout");
-    let typist = setup.typist("la cancion ", &line(115_200), 0.0, 0);
+    // A keyboard of the kernel has no `ó`.
+    let setup = spanish("phone-pad", "uinput");
+    let typist = setup.typist("la cancion ", &glove_format_at(115_200), 0.0, 0);
     let typed = play(&setup, typist.expect("a text"), |_, _, _| {});
     assert_eq!(typed.text, "la cancion ");
 }
@@ -63,7 +47,10 @@ fn a_word_with_an_accent_is_found_where_the_output_has_none() {
 #[test]
 fn keys_with_signs_choose_by_taps_in_a_row() {
     let text = "hello, moon. ";
-    assert_eq!(types(TextModeSchema::Auto, text, &line(115_200)), text);
+    assert_eq!(
+        types(TextModeSchema::Auto, text, &glove_format_at(115_200)),
+        text
+    );
 }
 
 #[test]
@@ -98,7 +85,7 @@ fn each_sign_of_a_key_replaces_the_one_before_and_the_space_of_a_candidate() {
 fn behind_text_that_is_not_known_taps_in_a_row_choose() {
     let setup = setup("phone-words", Some(TextModeSchema::Auto));
     let script = "tap 4; tap 3; wait 3000; tap 2; tap 2; tap 2";
-    let hand = setup.scripted(script, &line(115_200), 0.0, 0);
+    let hand = setup.scripted(script, &glove_format_at(115_200), 0.0, 0);
     let mut is_paused = false;
     let Typed { text, .. } = play(
         &setup,

@@ -2,7 +2,6 @@
 //! pipeline.
 
 use std::collections::BTreeSet;
-use std::num::NonZeroU32;
 use std::path::Path;
 
 use ademan::capture::{Hc11Format, Source, SourceEvent};
@@ -12,6 +11,8 @@ use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::setup::{ArmSetup, LoadedSetup, OtherHand, Setup};
 use ademan::sim::{SimulatedTypist, UsTextField, taps_for_text};
+
+use crate::support::press::glove_format_at;
 
 /// Hand and forearm lengths in mm at the 5th, 25th, 50th, 75th and 95th percentile.
 ///
@@ -30,10 +31,7 @@ const README_HAND: (f64, f64) = (189.0, 262.0);
 
 /// A line with 58 packets per second: a third of the work of the fastest one.
 fn line() -> Hc11Format {
-    Hc11Format {
-        baud: NonZeroU32::new(38_400).unwrap(),
-        ..Hc11Format::default()
-    }
+    glove_format_at(38_400)
 }
 
 fn measured((hand_length_mm, forearm_length_mm): (f64, f64)) -> ArmSetup {

@@ -14,6 +14,7 @@ use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
 use crate::key_reach::KeyReach;
+use crate::support::wearer::load_layout;
 use crate::wearer::channels;
 
 /// Distance between adjacent keys, in metres.
@@ -43,17 +44,10 @@ fn parsed(text: &str) -> Layout {
 impl Wearer {
     /// Returns a wearer whose hand is clear of all keys, with the output armed.
     fn with_layout(text: &str) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("a.ron");
-        std::fs::write(&path, text).expect("a file");
-        Self::with_setup(Setup {
-            layout: path.display().to_string(),
-            ..Setup::default()
-        })
+        Self::new(load_layout(text, Setup::default()))
     }
 
-    fn with_setup(setup: Setup) -> Self {
-        let loaded = setup.load_files().expect("a setup");
+    fn new(loaded: LoadedSetup) -> Self {
         let mut wearer = Self {
             pipeline: loaded.pipeline(),
             shown: Channels {
@@ -126,12 +120,17 @@ impl Wearer {
         }
     }
 
-    /// Taps a key at its position in the file.
-    fn tap(&mut self, key: &str) {
+    /// Presses a key at its position in the file, and stays on it.
+    fn press(&mut self, key: &str, milliseconds: u64) {
         self.hover(key);
         self.hold_still(200);
         self.push(key);
-        self.hold_still(200);
+        self.hold_still(milliseconds);
+    }
+
+    /// Taps a key at its position in the file.
+    fn tap(&mut self, key: &str) {
+        self.press(key, 200);
         self.hover(key);
         self.hold_still(200);
     }
@@ -183,10 +182,7 @@ fn a_nudge_by_one_pitch_moves_the_next_key_under_the_finger() {
 #[test]
 fn a_held_key_is_released_before_its_board_moves() {
     let mut wearer = Wearer::with_layout(&text("", "A B C D E"));
-    wearer.hover("B");
-    wearer.hold_still(200);
-    wearer.push("B");
-    wearer.hold_still(300);
+    wearer.press("B", 300);
     assert_eq!(wearer.transcript(), "+B");
     assert_eq!(wearer.nudge(along_rows(-PITCH)), Ok(()));
     assert_eq!(wearer.transcript(), "-B");
@@ -200,10 +196,7 @@ fn a_held_key_is_released_before_its_board_moves() {
 #[test]
 fn a_pose_out_of_range_is_rejected_and_nothing_is_released() {
     let mut wearer = Wearer::with_layout(&text("", "A B C D E"));
-    wearer.hover("B");
-    wearer.hold_still(200);
-    wearer.push("B");
-    wearer.hold_still(300);
+    wearer.press("B", 300);
     let place = wearer.board_pose();
     for far in [3.0, -3.0, f32::NAN, f32::INFINITY] {
         assert_eq!(
@@ -305,10 +298,7 @@ fn a_key_recenters_its_own_board() {
         "keys: [(action: Command(\"recenter\"), name: \"here\", at_mm: (0, 19))], rows:",
     );
     let mut wearer = Wearer::with_layout(&with_key);
-    wearer.hover("here");
-    wearer.hold_still(200);
-    wearer.push("here");
-    wearer.hold_still(500);
+    wearer.press("here", 500);
     assert_eq!(
         wearer.transcript(),
         "recenter",
@@ -326,7 +316,7 @@ fn each_profile_keeps_its_own_board_poses() {
         std::fs::write(&path, text("", "A B C D E")).expect("a file");
         path.display().to_string()
     };
-    let mut wearer = Wearer::with_setup(Setup {
+    let setup = Setup {
         layout: file("a.ron"),
         profiles: vec![ProfileSetup {
             name: "other".into(),
@@ -334,7 +324,8 @@ fn each_profile_keeps_its_own_board_poses() {
             layout: file("b.ron"),
         }],
         ..Setup::default()
-    });
+    };
+    let mut wearer = Wearer::new(setup.load_files().expect("a setup"));
     let mut events = Events::new();
     assert_eq!(wearer.nudge(along_rows(-PITCH)), Ok(()));
     wearer.pipeline.switch_profile(1, &mut events);

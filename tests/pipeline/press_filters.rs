@@ -11,6 +11,8 @@ use ademan::pipeline::{LayoutInstance, PressFilter};
 use ademan::setup::Setup;
 use ademan::sim::UsTextField;
 
+use crate::support::wearer::shipped_setup;
+
 fn key(name: &str) -> KeyCode {
     name.parse().expect("the name of a key")
 }
@@ -162,11 +164,7 @@ fn a_pause_for_whose_releases_there_is_no_room_releases_in_the_next_step() {
 
 #[test]
 fn a_hand_that_swipes_takes_no_candidate() {
-    let setup = Setup {
-        layout: "qwerty-swipe".into(),
-        ..Setup::default()
-    };
-    let setup = setup.load_files().expect("the shipped layout");
+    let setup = shipped_setup("qwerty-swipe");
     for (is_swiping, expected) in [(false, vec![2_u8]), (true, Vec::new())] {
         let (numbers, chosen) = mpsc::channel();
         let filter = Chosen {

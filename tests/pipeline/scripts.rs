@@ -1,6 +1,7 @@
 //! Scripts of the simulated hand: each kind of movement through the whole pipeline, script in, transcript out.
 
 use crate::support::checked::CheckedPipeline;
+use crate::support::wearer::shipped_setup;
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::device::Events;
 use ademan::hand::Finger;
@@ -9,14 +10,6 @@ use ademan::output::{Sink, Transcript};
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
 use parry3d::math::Vec3;
-
-fn load(layout: &str) -> LoadedSetup {
-    let setup = Setup {
-        layout: layout.into(),
-        ..Setup::default()
-    };
-    setup.load_files().expect("the layout is shipped")
-}
 
 fn hand(setup: &LoadedSetup, script: &str) -> Result<SimulatedTypist, String> {
     let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
@@ -51,7 +44,7 @@ fn play(setup: &LoadedSetup, script: &str) -> (Vec<HandPose>, Vec<String>) {
 
 /// Returns the events of a script without their times.
 fn events(layout: &str, script: &str) -> Vec<String> {
-    let (_, lines) = play(&load(layout), script);
+    let (_, lines) = play(&shipped_setup(layout), script);
     lines.iter().map(|line| line[13..].to_owned()).collect()
 }
 
@@ -112,7 +105,7 @@ fn taps_and_presses_press_and_release_keys() {
 fn a_push_reaches_its_depth_and_the_next_push_does_not_lift() {
     let script =
         "push ArrowUp 0.5; wait 300; push ArrowUp 0.8; wait 300; push ArrowUp 0.15; wait 300";
-    let (_, lines) = play(&load("arrows"), script);
+    let (_, lines) = play(&shipped_setup("arrows"), script);
     let depths: Vec<f32> = lines
         .iter()
         .filter_map(|line| line[13..].strip_prefix("depth ArrowUp ")?.parse().ok())
@@ -140,7 +133,7 @@ fn a_shallow_push_presses_no_key() {
 #[test]
 fn sliding_off_a_key_releases_it_before_the_finger_lifts() {
     let script = "press Numpad5; wait 100; slide 0 19; wait 1000; lift";
-    let (_, lines) = play(&load("numpad"), script);
+    let (_, lines) = play(&shipped_setup("numpad"), script);
     let time = |line: &String| {
         line[..12]
             .trim()
@@ -156,7 +149,7 @@ fn sliding_off_a_key_releases_it_before_the_finger_lifts() {
 
 #[test]
 fn an_arc_is_counter_clockwise_seen_from_the_front() {
-    let setup = load("arrows");
+    let setup = shipped_setup("arrows");
     let (poses, lines) = play(
         &setup,
         "press ArrowDown 6 0; wait 300; arc 270 2000; wait 300",
@@ -180,7 +173,7 @@ fn an_arc_is_counter_clockwise_seen_from_the_front() {
 
 #[test]
 fn offsets_and_slides_follow_the_axes_of_a_rotated_key() {
-    let setup = load("qwerty-arc");
+    let setup = shipped_setup("qwerty-arc");
     let script = "press P; wait 600; slide -30 0 1000; wait 600";
     let (poses, lines) = play(&setup, script);
     let down: Vec<Vec3> = on_key(&setup, "P", &poses)
@@ -199,7 +192,7 @@ fn offsets_and_slides_follow_the_axes_of_a_rotated_key() {
 
 #[test]
 fn other_fingers_bend_alone_and_together() {
-    let setup = load("arrows");
+    let setup = shipped_setup("arrows");
     let (poses, _) = play(&setup, "bend middle 60 & bend ring 40 400; wait 300");
     let drop = |finger: Finger| {
         let heights = poses
@@ -228,7 +221,7 @@ fn a_pressed_fingertip_keeps_its_position_while_the_forearm_rolls() {
 
 #[test]
 fn a_pinch_closes_holds_while_moving_and_opens() {
-    let setup = load("arrows");
+    let setup = shipped_setup("arrows");
     let script =
         "point 140 -40 -240; pinch; wait 600; point 120 -20 -290; wait 600; unpinch; wait 600";
     let (poses, _) = play(&setup, script);
@@ -277,7 +270,7 @@ fn hands_of_all_sizes_pinch_at_all_positions() {
 
 #[test]
 fn point_moves_the_fingertip_to_a_position_in_space() {
-    let setup = load("arrows");
+    let setup = shipped_setup("arrows");
     let (poses, lines) = play(&setup, "point 150 30 -300; wait 1000");
     let path = poses.iter().map(|pose| {
         let elbow = pose
@@ -328,7 +321,7 @@ fn impossible_actions_are_refused_with_their_position() {
             "script:1:5: unknown target `ArowUp`, did you mean `ArrowUp`?",
         ),
     ];
-    let setup = load("arrows");
+    let setup = shipped_setup("arrows");
     for (script, message) in table {
         let error = hand(&setup, script).err();
         let error = error.unwrap_or_else(|| panic!("{script} is accepted"));
@@ -339,7 +332,7 @@ fn impossible_actions_are_refused_with_their_position() {
 #[test]
 fn a_script_gives_the_same_counts_every_time() {
     let script = "tap Numpad7; press Numpad5; slide 5 5; arc 90; lift; pinch; unpinch";
-    let setup = load("numpad");
+    let setup = shipped_setup("numpad");
     let counts = || {
         let mut hand = setup
             .scripted(script, &Hc11Format::default(), 1.5, 3)
@@ -354,7 +347,7 @@ fn a_script_file_is_a_source() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("media keys.txt");
     std::fs::write(&path, "# one key\ntap Numpad1\n").expect("the file is written");
-    let setup = load("numpad");
+    let setup = shipped_setup("numpad");
     let name = format!("script:{}", path.display());
     let source = setup
         .open_source(&name.parse().expect("the URI is valid"))
@@ -381,7 +374,7 @@ fn the_example_script_plays_on_the_arrow_keys() {
 
 #[test]
 fn a_set_angle_is_kept_while_the_fingertip_moves() {
-    let setup = load("arrows");
+    let setup = shipped_setup("arrows");
     let middle = |script: &str| {
         let (poses, _) = play(&setup, script);
         let during = &poses[poses.len() - 300];
@@ -446,7 +439,7 @@ fn joints_of_the_arm_point_click_and_scroll() {
 
 #[test]
 fn a_target_in_space_cannot_be_tapped() {
-    let error = hand(&load("space"), "tap Moon")
+    let error = hand(&shipped_setup("space"), "tap Moon")
         .err()
         .expect("the script is refused");
     assert!(

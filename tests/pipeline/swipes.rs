@@ -8,7 +8,7 @@ use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::text::{TextModeSchema, TextSetup};
 use ademan::time::Timestamp;
 
-use super::text::{Typed, play};
+use super::text::{Typed, play, spanish};
 use crate::support::checked::CheckedPipeline;
 
 /// Loads a shipped layout, with a text decoder in this mode.
@@ -61,18 +61,8 @@ fn a_space_behind_a_swiped_word_is_not_doubled() {
 
 #[test]
 fn the_rest_of_a_word_behind_a_swiped_word_that_cannot_be_typed_is_not_corrected() {
-    let setup = Setup {
-        layout: "qwerty-swipe".into(),
-        text: Some(TextSetup {
-            mode: Some(TextModeSchema::Auto),
-            language: "es".into(),
-            ..TextSetup::default()
-        }),
-        // A keyboard of the kernel has no `á` for `más`.
-        output: "uinput".into(),
-        ..Setup::default()
-    };
-    let setup = setup.load_files().expect("the shipped layout");
+    // A keyboard of the kernel has no `á` for `más`.
+    let setup = spanish("qwerty-swipe", "uinput");
     let script = "press M; slide -123.5 19; slide 19 0; lift; tap Q; tap E; tap U; tap Space";
     let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
     let typed = play(&setup, hand.expect("a script"), |_, _, _| {});

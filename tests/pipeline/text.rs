@@ -26,6 +26,21 @@ fn setup(text: Option<TextModeSchema>) -> LoadedSetup {
     setup.load_files().expect("the shipped layout")
 }
 
+/// Loads a shipped layout with Spanish words that are corrected, for an output.
+pub fn spanish(layout: &str, output: &str) -> LoadedSetup {
+    let setup = Setup {
+        layout: layout.into(),
+        text: Some(TextSetup {
+            mode: Some(TextModeSchema::Auto),
+            language: "es".into(),
+            ..TextSetup::default()
+        }),
+        output: output.into(),
+        ..Setup::default()
+    };
+    setup.load_files().expect("the shipped layout")
+}
+
 /// The text and the events of a hand.
 #[derive(Debug, Default, PartialEq)]
 pub struct Typed {
@@ -253,16 +268,7 @@ fn the_mode_changes_while_the_hand_types_and_needs_a_decoder() {
 #[test]
 fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
     let typed = |output: &str| {
-        let setup = Setup {
-            text: Some(TextSetup {
-                mode: Some(TextModeSchema::Auto),
-                language: "es".into(),
-                ..TextSetup::default()
-            }),
-            output: output.into(),
-            ..Setup::default()
-        };
-        let setup = setup.load_files().expect("the shipped layout");
+        let setup = spanish("qwerty-flat", output);
         let hand = typist(&setup, "la cancion de mi corazon ", 0.0, 1);
         play(&setup, hand, |_, _, _| {}).text
     };
@@ -277,17 +283,8 @@ fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
 
 #[test]
 fn the_rest_of_a_word_behind_a_candidate_that_cannot_be_typed_is_not_corrected() {
-    let setup = Setup {
-        text: Some(TextSetup {
-            mode: Some(TextModeSchema::Auto),
-            language: "es".into(),
-            ..TextSetup::default()
-        }),
-        // A keyboard of the kernel has no `ó`.
-        output: "uinput".into(),
-        ..Setup::default()
-    };
-    let setup = setup.load_files().expect("the shipped layout");
+    // A keyboard of the kernel has no `ó`.
+    let setup = spanish("qwerty-flat", "uinput");
     let mut is_taken = false;
     let hand = typist(&setup, "cancionqeu qeu ", 0.0, 0);
     let typed = play(&setup, hand, |presses, pipeline, events| {

@@ -1,9 +1,9 @@
 //! Tours: scripts that use each control of a layout once.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::num::NonZeroU32;
 
 use crate::support::checked::CheckedPipeline;
+use crate::support::press::glove_format_at;
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::contact::{Phase, TargetId};
 use ademan::device::{EventKind, Events};
@@ -113,10 +113,7 @@ fn a_tour_leaves_out_a_key_that_can_be_pressed_only_on_its_own() {
 
 #[test]
 fn the_readings_of_a_live_hand_are_accepted_from_the_first_one() {
-    let format = Hc11Format {
-        baud: NonZeroU32::new(115_200).unwrap(),
-        ..Hc11Format::default()
-    };
+    let format = glove_format_at(115_200);
     for name in shipped_layouts() {
         let setup = load(name);
         for task in [

@@ -1,8 +1,6 @@
 //! Typing on all shipped keyboards: the simulated hand through the whole pipeline.
 
-use std::num::NonZeroU32;
-
-use ademan::capture::{Hc11Format, Source, SourceEvent};
+use ademan::capture::{Source, SourceEvent};
 use ademan::contact::{Phase, TargetId};
 use ademan::device::Events;
 use ademan::files::Load;
@@ -13,15 +11,10 @@ use ademan::sim::{
     HandAction, JointSensor, Sensor, SimulatedTypist, TypingKeys, TypistSettings, UsTextField,
 };
 
+use crate::support::press::glove_format_at;
+
 const ALL_OF_ASCII: &str = "The quick brown fox, jumps over\nthe lazy dog! 0123456789\n\
     @#$%^&*()-_=+[]{}\\|;:'\"/?.,<>`~\tend";
-
-fn line(baud: u32) -> Hc11Format {
-    Hc11Format {
-        baud: NonZeroU32::new(baud).expect("a baud"),
-        ..Hc11Format::default()
-    }
-}
 
 fn load(layout: &str) -> LoadedSetup {
     load_with(layout, SmoothingSetup::Default)
@@ -70,7 +63,7 @@ fn play(setup: &LoadedSetup, mut hand: SimulatedTypist) -> (String, Vec<TargetId
 }
 
 fn type_text(setup: &LoadedSetup, text: &str, baud: u32, noise: f64) -> String {
-    let hand = setup.typist(text, &line(baud), noise, 11);
+    let hand = setup.typist(text, &glove_format_at(baud), noise, 11);
     play(
         setup,
         hand.unwrap_or_else(|error| panic!("{text:?}: {error}")),
@@ -157,7 +150,7 @@ fn a_tap_presses_only_its_key_on_every_shipped_keyboard() {
         let taps: Vec<HandAction> = wanted.iter().copied().map(HandAction::tap).collect();
         let settings = TypistSettings {
             name: name.into(),
-            packet_period: line(115_200).packet_period(),
+            packet_period: glove_format_at(115_200).packet_period(),
             noise: 0.0,
             seed: 0,
             person: Person::default(),
@@ -233,7 +226,7 @@ fn a_hand_of_other_size_types_the_same_text() {
 fn a_text_that_the_layout_cannot_type_is_refused() {
     let setup = load("arrows");
     let error = setup
-        .typist("q", &line(9_600), 0.0, 0)
+        .typist("q", &glove_format_at(9_600), 0.0, 0)
         .err()
         .expect("the layout has no letters");
     assert!(error.to_string().contains("has the key Q"), "{error}");
@@ -249,7 +242,7 @@ fn a_key_out_of_reach_is_named_with_its_distance() {
     std::fs::write(&path, far).expect("the file is written");
     let setup = load(path.to_str().expect("a path in UTF-8"));
     let error = setup
-        .typist("h1", &line(9_600), 0.0, 0)
+        .typist("h1", &glove_format_at(9_600), 0.0, 0)
         .err()
         .expect("the key is too far away")
         .to_string();
@@ -286,7 +279,7 @@ fn a_key_is_named_whose_press_would_press_another_one() {
     std::fs::write(&path, text).expect("the file is written");
     let setup = load(path.to_str().expect("a path in UTF-8"));
     let refused = [("Space", " "), ("Enter", "\n")].map(|(key, typed)| {
-        let typist = setup.typist(typed, &line(9_600), 0.0, 0);
+        let typist = setup.typist(typed, &glove_format_at(9_600), 0.0, 0);
         (key, typist.err().map_or(String::new(), |it| it.to_string()))
     });
     let errors = refused

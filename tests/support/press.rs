@@ -1,5 +1,7 @@
 //! One key press of a simulated hand, as postures of the glove.
 
+use std::num::NonZeroU32;
+
 use ademan::capture::hc11::{BODY_BYTES, channels};
 use ademan::capture::{Hc11Format, Reading, Sample};
 use ademan::device::{EventKind, Events, KeyCode};
@@ -13,6 +15,14 @@ pub type Posture = [u8; BODY_BYTES];
 /// Returns the format of the packets, which determines their period.
 pub fn glove_format() -> Hc11Format {
     Hc11Format::default()
+}
+
+/// Returns this format at a baud rate.
+pub fn glove_format_at(baud: u32) -> Hc11Format {
+    Hc11Format {
+        baud: NonZeroU32::new(baud).expect("a baud rate"),
+        ..glove_format()
+    }
 }
 
 /// The movement of a simulated hand that types a text, split where its last key is at the end of its travel.

@@ -22,6 +22,15 @@ pub fn load_layout(text: &str, setup: Setup) -> LoadedSetup {
     setup.load_files().unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// Loads the default setup with a layout that comes with the program.
+pub fn shipped_setup(layout: &str) -> LoadedSetup {
+    let setup = Setup {
+        layout: layout.into(),
+        ..Setup::default()
+    };
+    setup.load_files().expect("a shipped layout")
+}
+
 /// Loads the default setup.
 pub fn default_setup() -> LoadedSetup {
     Setup::default().load_files().expect("the default setup")

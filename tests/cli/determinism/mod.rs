@@ -15,10 +15,11 @@ use ademan::capture::Source;
 use ademan::capture::recording::Replay;
 use ademan::output::Transcript;
 use ademan::session::{CommandReceiver, run_pipeline};
-use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
+use ademan::setup::{LoadedSetup, ReplaySettings};
 use tempfile::TempDir;
 
 use crate::support::recording;
+use crate::support::wearer::shipped_setup;
 
 /// The number of replays of each recording.
 const TIMES: usize = 100;
@@ -57,11 +58,7 @@ impl Write for SharedBuffer {
 
 /// Records the simulated hand that plays a script.
 fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathBuf {
-    let setup = Setup {
-        layout: layout.into(),
-        ..Setup::default()
-    };
-    let loaded = setup.load_files().expect("a shipped layout");
+    let loaded = shipped_setup(layout);
     let source = format!("script:{script}").parse().expect("a source");
     let hand = loaded.open_source(&source).expect("the hand can do it");
     record_source(folder, name, &loaded, hand)

@@ -5,16 +5,12 @@ use ademan::layout::Layout;
 use ademan::setup::{ArmSetup, LoadedSetup, OtherHand, Setup};
 
 use crate::rig::Rig;
-use crate::support::wearer::load_layout;
+use crate::support::wearer::{load_layout, shipped_setup};
 
 #[test]
 fn the_default_hand_reaches_everything_on_every_shipped_layout() {
     for (name, _) in Layout::shipped().unwrap() {
-        let setup = Setup {
-            layout: name.into(),
-            ..Setup::default()
-        };
-        let loaded = setup.load_files().unwrap();
+        let loaded = shipped_setup(name);
         let out_of_reach = loaded.out_of_reach();
         assert!(out_of_reach.is_empty(), "{name}: {out_of_reach:?}");
     }
