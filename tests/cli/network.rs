@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{IpAddr, TcpListener, UdpSocket};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use tempfile::TempDir;
@@ -14,6 +14,7 @@ use crate::share::is_part_of;
 use crate::support::process::{Process, signal};
 use crate::support::run::{TIMEOUT, line_receiver};
 use crate::text_line::pressed_keys;
+use crate::{Ended, run_to_end};
 
 /// The settings of one machine.
 struct Machine(TempDir);
@@ -29,8 +30,8 @@ impl Machine {
         command
     }
 
-    fn run(&self, arguments: &[&str]) -> Output {
-        self.ademan(arguments).output().expect("the program starts")
+    fn run(&self, arguments: &[&str]) -> Ended {
+        run_to_end(&mut self.ademan(arguments))
     }
 
     fn network(&self) -> PathBuf {
@@ -39,8 +40,7 @@ impl Machine {
 
     /// Makes a token and returns its file.
     fn token(&self, name: &str, role: &str) -> PathBuf {
-        let made = self.run(&["token", "new", name, "--role", role]);
-        assert!(made.status.success(), "{made:?}");
+        self.run(&["token", "new", name, "--role", role]).done();
         self.network().join(format!("{name}.token"))
     }
 
@@ -262,10 +262,9 @@ fn servers_without_tls_a_token_or_an_address_of_one_network_do_not_start() {
     let machine = Machine::new();
     let own = own_address();
     let refused = |target: &str, remedy: &str| {
-        let output = machine.run(&["run", "--source", "typist:a", "--share", target]);
-        let error = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{target}: {error}");
-        assert!(error.contains(remedy), "{target}: {error}");
+        println!("{target}");
+        let run = ["run", "--source", "typist:a", "--share", target];
+        machine.run(&run).exited(2).reported(remedy);
     };
     if !own.is_loopback() {
         refused(&format!("pose:{own}:0"), "`+tls`");
@@ -293,29 +292,14 @@ fn a_source_has_no_more_than_the_role_of_its_token() {
             file.display()
         )
     };
-    let run = |uri: &str| {
-        text(
-            &machine
-                .run(&["run", "--control", "off", "--source", uri])
-                .stderr,
-        )
-    };
-    assert!(run(&source(&see)).contains("has the role `see`"));
-    let pointing = run(&source(&point));
-    assert!(
-        pointing.contains("cannot open tcp+tls:127.0.0.1:1"),
-        "{pointing}"
-    );
-    let missing = run(&source(Path::new("nope.token")));
-    assert!(missing.contains("copy it from the machine"), "{missing}");
+    let run = |file: &Path| machine.run(&["run", "--control", "off", "--source", &source(file)]);
+    run(&see).reported("has the role `see`");
+    run(&point).reported("cannot open tcp+tls:127.0.0.1:1");
+    run(Path::new("nope.token")).reported("copy it from the machine");
     fs::set_permissions(&point, Permissions::from_mode(0o640)).expect("an own file");
-    assert!(run(&source(&point)).contains("chmod 600"));
+    run(&point).reported("chmod 600");
     let secret = value(&see, "secret");
-    let on_the_command_line = run(&source(Path::new(&secret)));
-    assert!(
-        on_the_command_line.contains("revoke it"),
-        "{on_the_command_line}"
-    );
+    run(Path::new(&secret)).reported("revoke it");
 }
 
 #[test]
@@ -330,10 +314,9 @@ fn doctor_states_the_role_of_the_token_of_a_source_and_finds_one_that_a_run_refu
         );
         let mut arguments = vec!["doctor", "--source", &source];
         arguments.extend(role.split_whitespace());
-        let output = machine.run(&arguments);
-        let printed = text(&output.stdout);
-        let words: Vec<&str> = printed.split_whitespace().collect();
-        (output.status.success(), words.join(" "))
+        let ended = machine.run(&arguments);
+        let words: Vec<&str> = ended.out.split_whitespace().collect();
+        (ended.code == Some(0), words.join(" "))
     };
     let see = machine.token("screen", "see");
     let point = machine.token("mouse", "point");
@@ -363,18 +346,17 @@ fn tokens_are_listed_without_their_secrets_and_revoked() {
     let machine = Machine::new();
     let secret = value(&machine.token("desk", "type"), "secret");
     machine.token("screen", "see");
-    let listed = text(&machine.run(&["token", "list"]).stdout);
+    let listed = machine.run(&["token", "list"]).out;
     assert!(
         listed.contains("desk") && listed.contains("type"),
         "{listed}"
     );
     assert!(!listed.contains(&secret[..8]), "{listed}");
-    assert!(machine.run(&["token", "revoke", "desk"]).status.success());
-    let rest = text(&machine.run(&["token", "list"]).stdout);
+    machine.run(&["token", "revoke", "desk"]).done();
+    let rest = machine.run(&["token", "list"]).out;
     assert_eq!(rest.lines().count(), 1, "{rest}");
-    let again = machine.run(&["token", "revoke", "desk"]);
-    assert_eq!(again.status.code(), Some(2));
-    assert!(text(&again.stderr).contains("ademan token list"));
+    let again = machine.run(&["token", "revoke", "desk"]).exited(2);
+    again.reported("ademan token list");
 }
 
 #[test]
@@ -398,7 +380,7 @@ fn tokens_that_are_revoked_beside_commands_that_make_others_stay_revoked() {
         for mut command in commands {
             assert!(command.0.wait().expect("a child").success());
         }
-        let listed = text(&machine.run(&["token", "list"]).stdout);
+        let listed = machine.run(&["token", "list"]).out;
         assert!(!listed.contains(&old), "{listed}");
         for name in &new {
             assert!(listed.contains(name), "{name}: {listed}");
@@ -417,16 +399,15 @@ fn a_token_command_that_is_killed_leaves_nothing_that_stops_the_next_one() {
         // It is killed with SIGKILL, wherever it is.
         drop(process);
         // Either it was made, or it can be made.
-        if !machine.run(&["token", "revoke", "desk"]).status.success() {
+        let revoke = ["token", "revoke", "desk"];
+        if machine.run(&revoke).code != Some(0) {
             machine.token("desk", "see");
-            let revoked = machine.run(&["token", "revoke", "desk"]);
-            assert!(revoked.status.success(), "{}", text(&revoked.stderr));
+            machine.run(&revoke).done();
         }
     }
     let listed = machine.run(&["token", "list"]);
-    assert!(listed.stdout.is_empty(), "{}", text(&listed.stdout));
-    let said = text(&listed.stderr);
-    assert!(said.contains("no tokens yet; `ademan token new"), "{said}");
+    assert_eq!(listed.out, "");
+    listed.reported("no tokens yet; `ademan token new");
 }
 
 /// Runs on a disk that only the commands see, and fills it.
@@ -459,23 +440,21 @@ fn on_a_full_disk_a_token_is_not_said_to_be_revoked_and_is_revoked_once_there_is
         .args(["--mount", "sh", "-c", ON_A_FULL_DISK])
         .arg(program.get_program())
         .env("XDG_CONFIG_HOME", machine.0.path());
-    let output = match command.output() {
+    let ended = match command.output() {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             println!("SKIPPED: no file system of its own: {error}");
             return;
         }
-        output => output.expect("the program starts"),
+        output => Ended::from(output.expect("the program starts")),
     };
-    let errors = text(&output.stderr);
-    if output.status.code() == Some(77) || errors.starts_with("unshare:") {
-        println!("SKIPPED: no file system of its own: {errors}");
+    if ended.code == Some(77) || ended.err.starts_with("unshare:") {
+        println!("SKIPPED: no file system of its own: {}", ended.err);
         return;
     }
-    let printed = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(0), "{printed}{errors}");
-    let (full, room) = printed.split_once("room\n").expect(&errors);
-    assert!(full.starts_with("full\ndesk "), "{printed}");
-    assert!(errors.contains("No space left"), "{errors}");
-    assert!(errors.contains("`desk` is still valid"), "{errors}");
+    let ended = ended.done();
+    let (full, room) = ended.out.split_once("room\n").expect(&ended.err);
+    assert!(full.starts_with("full\ndesk "), "{}", ended.out);
+    ended.reported("No space left");
+    ended.reported("`desk` is still valid");
     assert!(!room.contains("desk ") && room.contains("more "), "{room}");
 }

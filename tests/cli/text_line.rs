@@ -10,7 +10,7 @@ use ademan::hand::Dof;
 
 use crate::support::process::signal;
 use crate::support::source::text_lines;
-use crate::{ademan, file, run, text};
+use crate::{Ended, ademan, file, run, text};
 
 const TYPED: &str = "Hola";
 
@@ -71,10 +71,8 @@ fn a_line_that_a_killed_writer_has_cut_is_no_reading() {
             .write_all(format!("{whole}{cut}").as_bytes())
             .expect("it is read");
         drop(stdin);
-        let output = program.wait_with_output().expect("the program ends");
-        let messages = String::from_utf8(output.stderr).unwrap();
-        assert!(messages.contains("10 readings"), "{messages}");
-        assert!(messages.contains(invalid), "{messages}");
+        let ended = Ended::from(program.wait_with_output().expect("the program ends"));
+        ended.reported("10 readings").reported(invalid);
     }
 }
 
@@ -88,11 +86,8 @@ fn text_lines_on_the_standard_input_are_typed() {
         stdin.write_all(line.as_bytes()).expect("it is read");
     }
     drop(stdin);
-    let output = program.wait_with_output().expect("the program ends");
-    let transcript = String::from_utf8(output.stdout).unwrap();
-    let messages = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(pressed_keys(&transcript), KEYS, "{messages}");
-    assert_eq!(output.status.code(), Some(0), "{messages}");
+    let ended = Ended::from(program.wait_with_output().expect("the program ends")).done();
+    assert_eq!(pressed_keys(&ended.out), KEYS, "{}", ended.err);
 }
 
 #[test]
