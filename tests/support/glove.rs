@@ -10,6 +10,7 @@ use ademan::capture::hc11::{Framing, encode};
 use ademan::capture::open_loopback;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 use serialport::{SerialPort, TTYPort};
+use tempfile::TempDir;
 
 use super::press::{Posture, glove_format};
 use super::process::lock_spawning;
@@ -58,6 +59,15 @@ impl Glove {
             messages: Some(messages),
             player: Some(player),
         }
+    }
+
+    /// Connects a glove in a new folder. Returns the folder, the glove and the source of a run.
+    pub fn in_new_folder(posture: Posture) -> (TempDir, Self, String) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let port = folder.path().join("glove");
+        let glove = Self::plug_in(&port, posture);
+        let source = format!("serial:{}", port.display());
+        (folder, glove, source)
     }
 
     /// Sends these postures, one per packet, and repeats the last.

@@ -1,6 +1,5 @@
 //! Release of keys and buttons at the end of a run, however it ends.
 
-use std::path::PathBuf;
 use std::time::Duration;
 
 use tempfile::TempDir;
@@ -11,6 +10,7 @@ use crate::support::glove::Glove;
 use crate::support::press::Press;
 use crate::support::program::{Program, WATCHDOG_LOST};
 use crate::support::x11::{wait_at_most, wait_for};
+use crate::x11::ends::layout_with_a_button;
 use crate::x11::start_until;
 
 /// A run with a glove.
@@ -23,10 +23,7 @@ pub(super) struct GloveRun {
 impl GloveRun {
     /// Starts a run whose wearer keeps the hand clear of all keys.
     pub(super) fn start(compositor: &Compositor, press: &Press, arguments: &[&str]) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let port = folder.path().join("glove");
-        let glove = Glove::plug_in(&port, press.clear());
-        let source = format!("serial:{}", port.display());
+        let (folder, glove, source) = Glove::in_new_folder(press.clear());
         let run = ["run", "--output", "desktop", "--source", &source];
         let program = compositor.run([&run, arguments].concat());
         program.wait_for_line("armed", 1);
@@ -171,20 +168,10 @@ fn all_keys_are_released_while_the_program_is_stopped_and_it_types_again_afterwa
     assert_eq!(code, Some(0));
 }
 
-/// Writes the default layout with the left mouse button instead of H.
-fn layout_with_a_button(folder: &TempDir) -> PathBuf {
-    let path = folder.path().join("button.ron");
-    let board = include_str!("../../../layouts/keyboards/qwerty-flat.ron");
-    let with_button = board.replace(" G H J ", " G MouseLeft J ");
-    assert_ne!(board, with_button);
-    std::fs::write(&path, with_button).expect("space on the disk");
-    path
-}
-
 /// Starts a window, and a run whose wearer holds the left mouse button.
 fn start_with_button() -> Option<(Compositor, Window, GloveRun)> {
     let folder = tempfile::tempdir().expect("a folder");
-    let layout = layout_with_a_button(&folder).display().to_string();
+    let layout = layout_with_a_button(folder.path()).display().to_string();
     let press = Press::for_text("h");
     let start_armed = || {
         let compositor = Compositor::sway()?;

@@ -17,10 +17,7 @@ fn a_key_is_released_when_the_finger_lifts_or_the_cable_is_pulled_and_the_run_en
         return;
     };
     let press = Press::for_text("h");
-    let folder = tempfile::tempdir().expect("a folder");
-    let port = folder.path().join("glove");
-    let mut glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
+    let (_folder, mut glove, source) = Glove::in_new_folder(press.clear());
     let ((_out, stdout), (_err, stderr)) = (full_pipe(), full_pipe());
     // The transcript comes first, so that the other output waits for it, if anything does.
     let output = "transcript,desktop";
@@ -67,10 +64,7 @@ fn a_transcript_on_a_full_disk_is_reported_and_the_desktop_continues() {
         return;
     };
     let press = Press::for_text("h");
-    let folder = tempfile::tempdir().expect("a folder");
-    let port = folder.path().join("glove");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
+    let (_folder, glove, source) = Glove::in_new_folder(press.clear());
     let full = std::fs::File::options().write(true).open("/dev/full");
     let arguments = [
         "run",

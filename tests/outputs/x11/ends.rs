@@ -1,7 +1,7 @@
 //! Release of keys and buttons at the end of a run, however it ends.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -45,9 +45,7 @@ impl Typing {
     fn start_armed() -> Option<Self> {
         let server = XServer::start()?;
         let press = Press::for_text("H");
-        let (folder, port) = new_file("glove");
-        let glove = Glove::plug_in(&port, press.clear());
-        let source = format!("serial:{}", port.display());
+        let (folder, glove, source) = Glove::in_new_folder(press.clear());
         let program = run(&server, &source);
         program.wait_for_line("armed", 1);
         Some(Self {
@@ -97,13 +95,6 @@ impl Typing {
     }
 }
 
-/// Returns a temporary folder and the path of a new file in it.
-fn new_file(name: &str) -> (TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join(name);
-    (folder, path)
-}
-
 fn run(server: &XServer, source: &str) -> Program {
     Program::start(server, ["run", "--output", "desktop", "--source", source])
 }
@@ -111,7 +102,8 @@ fn run(server: &XServer, source: &str) -> Program {
 /// Creates a file with the bytes of a glove until the key has been pressed for 1 s.
 fn file_that_ends_in_a_press() -> (TempDir, PathBuf) {
     let press = Press::for_text("H");
-    let (folder, path) = new_file("glove.bytes");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("glove.bytes");
     let mut file = std::fs::File::create(&path).expect("a file");
     let still = std::iter::repeat_n(press.pressed(), 175);
     for posture in press.approach.iter().copied().chain(still) {
@@ -219,13 +211,13 @@ fn a_dead_display_ends_the_run_with_an_error_at_the_next_key() {
 }
 
 /// Writes the default layout with the left mouse button instead of H.
-fn layout_with_a_button() -> (TempDir, PathBuf) {
-    let (folder, path) = new_file("button.ron");
+pub fn layout_with_a_button(folder: &Path) -> PathBuf {
+    let path = folder.join("button.ron");
     let board = include_str!("../../../layouts/keyboards/qwerty-flat.ron");
     let with_button = board.replace(" G H J ", " G MouseLeft J ");
     assert_ne!(board, with_button);
     std::fs::write(&path, with_button).expect("space on the disk");
-    (folder, path)
+    path
 }
 
 #[test]
@@ -233,13 +225,10 @@ fn all_buttons_are_released_after_sigterm() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let (folder, layout) = layout_with_a_button();
-    let port = folder.path().join("glove");
     let press = Press::for_text("h");
-    let glove = Glove::plug_in(&port, press.clear());
-    let (source, layout) = (format!("serial:{}", port.display()), layout.display());
+    let (folder, glove, source) = Glove::in_new_folder(press.clear());
+    let layout = layout_with_a_button(folder.path()).display().to_string();
     let outputs = format!("transcript:{}/record,desktop", folder.path().display());
-    let layout = layout.to_string();
     let arguments = [
         "run", "--output", &outputs, "--source", &source, "--layout", &layout,
     ];

@@ -29,11 +29,8 @@ struct Armed {
 
 impl Armed {
     fn start(server: &XServer) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let port = folder.path().join("glove");
         let press = Press::for_text("h");
-        let glove = Glove::plug_in(&port, press.clear());
-        let source = format!("serial:{}", port.display());
+        let (folder, glove, source) = Glove::in_new_folder(press.clear());
         let run = ["run", "--output", "desktop", "--source", &source];
         let program = Program::start(server, run);
         program.wait_for_line("armed", 1);

@@ -29,11 +29,8 @@ struct Idle {
 impl Idle {
     fn start() -> Option<Self> {
         let server = XServer::start()?;
-        let folder = tempfile::tempdir().expect("a folder");
-        let port = folder.path().join("glove");
         let press = Press::for_text("H");
-        let glove = Glove::plug_in(&port, press.clear());
-        let source = format!("serial:{}", port.display());
+        let (folder, glove, source) = Glove::in_new_folder(press.clear());
         let run = ["run", "--output", "desktop", "--source", &source];
         let program = Program::start(&server, run);
         program.wait_for_line("armed", 1);

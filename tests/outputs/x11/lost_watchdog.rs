@@ -91,11 +91,9 @@ fn the_watchdog_is_replaced_when_the_file_of_the_program_has_changed() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    let (port, file) = (folder.path().join("glove"), folder.path().join("ademan"));
     let press = Press::for_text("H");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
+    let (folder, glove, source) = Glove::in_new_folder(press.clear());
+    let file = folder.path().join("ademan");
     let run = [
         "run",
         "--output",

@@ -59,12 +59,10 @@ fn all_keys_are_released_after_the_out_of_memory_killer() {
         return;
     };
     let press = Press::for_text("H");
-    let folder = tempfile::tempdir().expect("a folder");
-    let (port, file) = (folder.path().join("glove"), folder.path().join("my.ron"));
+    let (folder, glove, source) = Glove::in_new_folder(press.clear());
+    let file = folder.path().join("my.ron");
     let text = Layout::load("qwerty-flat").expect("a shipped layout").text;
     fs::write(&file, &text).expect("space on the disk");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
     let layout = file.to_str().expect("a plain path");
     let arguments = [
         "run", "--output", "desktop", "--source", &source, "--layout", layout,

@@ -12,7 +12,7 @@ mod bursts;
 mod characters;
 mod desktop_part;
 mod doctor;
-mod ends;
+pub mod ends;
 #[cfg(target_os = "linux")]
 mod focus;
 mod grabs;

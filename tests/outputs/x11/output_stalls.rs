@@ -73,11 +73,8 @@ impl Locking {
     fn start() -> Option<Self> {
         let server = XServer::start()?;
         let log = KeyLog::start(&server);
-        let folder = tempfile::tempdir().expect("a folder");
-        let port = folder.path().join("glove");
         let h = Press::for_text("h");
-        let glove = Glove::plug_in(&port, h.clear());
-        let source = format!("serial:{}", port.display());
+        let (folder, glove, source) = Glove::in_new_folder(h.clear());
         let run = ["run", "--output", "desktop", "--source", &source].map(String::from);
         let run = run.into_iter().chain(arguments(folder.path()));
         let program = Program::start(&server, run);

@@ -34,12 +34,9 @@ fn a_service_manager_that_does_not_reply_delays_neither_a_press_nor_a_release() 
     let Some(server) = XServer::start() else {
         return;
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    manager_that_does_not_reply(folder.path());
-    let port = folder.path().join("glove");
     let press = Press::for_text("H");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
+    let (folder, glove, source) = Glove::in_new_folder(press.clear());
+    manager_that_does_not_reply(folder.path());
     let path = std::env::var("PATH").unwrap_or_default();
     let mut command = ademan(["run", "--output", "desktop", "--source", &source]);
     command

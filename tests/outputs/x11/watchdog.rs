@@ -92,11 +92,8 @@ fn no_key_stays_pressed_after_a_kill_while_a_character_is_typed() {
     let log = KeyLog::start(&server);
     let press = Press::for_text("h");
     for round in 0..8 {
-        let folder = tempfile::tempdir().expect("a folder");
-        let port = folder.path().join("glove");
+        let (folder, glove, source) = Glove::in_new_folder(press.clear());
         let layout = layout_with_text(folder.path()).display().to_string();
-        let glove = Glove::plug_in(&port, press.clear());
-        let source = format!("serial:{}", port.display());
         let run = [
             "run", "--output", "desktop", "--source", &source, "--layout", &layout,
         ];
@@ -331,13 +328,11 @@ fn a_kill_of_all_processes_with_the_name_of_the_program_leaves_the_watchdog() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let folder = tempfile::tempdir().expect("a folder");
+    let press = Press::for_text("H");
+    let (folder, glove, source) = Glove::in_new_folder(press.clear());
     // A name that no other process has.
     let name = format!("ademan-{}", std::process::id());
-    let (port, file) = (folder.path().join("glove"), folder.path().join(&name));
-    let press = Press::for_text("H");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
+    let file = folder.path().join(&name);
     let command = copied(&file, &["run", "--output", "desktop", "--source", &source]);
     let mut program = Program::from_command(on_display(command, &server));
     program.wait_for_line("armed", 1);
@@ -367,11 +362,8 @@ fn signals_that_the_parent_has_blocked_stop_the_typing_and_the_program() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    let port = folder.path().join("glove");
     let press = Press::for_text("H");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
+    let (_folder, glove, source) = Glove::in_new_folder(press.clear());
     let run = ademan(["run", "--output", "desktop", "--source", &source]);
     let mut blocked = Command::new("env");
     blocked
