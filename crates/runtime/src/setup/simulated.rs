@@ -72,8 +72,8 @@ impl LoadedSetup {
         let settings = self.typist_settings(name, sim::packet_period(format), noise, seed);
         let typist = self.typist_with(text, &settings, format.protocol.sample)?;
         SimulatedStream::new(typist, format).map_err(|reason| {
-            let name = escape(&settings.name);
-            SetupError::Value(format!("cannot use {name}: {reason}"))
+            let typist_name = escape(&settings.name);
+            SetupError::Value(format!("cannot use {typist_name}: {reason}"))
         })
     }
 

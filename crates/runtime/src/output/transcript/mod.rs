@@ -242,7 +242,7 @@ mod tests {
     }
 
     /// Returns a transcript, and the text that it writes.
-    fn transcript() -> (Transcript<Buffer>, Buffer) {
+    fn buffered() -> (Transcript<Buffer>, Buffer) {
         let buffer = Buffer::default();
         (Transcript::new("transcript", buffer.clone()), buffer)
     }
@@ -261,7 +261,7 @@ mod tests {
 
     #[test]
     fn a_line_has_the_time_in_milliseconds_and_the_event() {
-        let (mut transcript, buffer) = transcript();
+        let (mut transcript, buffer) = buffered();
         let depth = OutputEvent {
             time: Timestamp(1_240_250),
             kind: EventKind::Depth(TargetId(3), 0.5123),
@@ -276,7 +276,7 @@ mod tests {
             format!("{text}       0.009 down ShiftLeft\n")
         );
 
-        let (mut value_transcript, value_buffer) = transcript();
+        let (mut value_transcript, value_buffer) = buffered();
         value_transcript.set_target_names(&TargetNames::new(["Volume".to_owned()]));
         let value = OutputEvent {
             time: Timestamp(1_000),
@@ -288,7 +288,7 @@ mod tests {
 
     #[test]
     fn closing_releases_pressed_keys_modifiers_last() {
-        let (mut transcript, buffer) = transcript();
+        let (mut transcript, buffer) = buffered();
         transcript
             .send(&[down(1_000, "ShiftLeft"), down(2_000, "A")])
             .unwrap();
@@ -301,7 +301,7 @@ mod tests {
 
     #[test]
     fn closing_centers_deflected_axes() {
-        let (mut transcript, buffer) = transcript();
+        let (mut transcript, buffer) = buffered();
         let axis = |axis, value| event(3_000, EventKind::Axis(axis, value));
         let events = [
             axis(Axis::LeftX, -0.5),
@@ -323,7 +323,7 @@ mod tests {
 
     #[test]
     fn dropping_a_transcript_releases_pressed_keys() {
-        let (mut transcript, buffer) = transcript();
+        let (mut transcript, buffer) = buffered();
         transcript.send(&[down(5, "A")]).unwrap();
         drop(transcript);
         assert!(buffer.text().ends_with("       0.005 up   A\n"));
@@ -331,7 +331,7 @@ mod tests {
 
     #[test]
     fn a_release_of_a_key_that_is_up_and_a_second_press_are_not_written() {
-        let (mut transcript, buffer) = transcript();
+        let (mut transcript, buffer) = buffered();
         transcript
             .send(&[up(1, "A"), down(2, "B"), down(3, "B"), up(4, "B")])
             .unwrap();
