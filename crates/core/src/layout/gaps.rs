@@ -32,7 +32,8 @@ impl<'a> Neighborhood<'a> {
     }
 
     /// Returns the share of the outline with this index: on each side half the way to the nearest other outline beside it, at
-    /// most `part` of its own shorter side, and at most `max` metres.
+    /// most `part` of its own shorter side, and at most `max` metres. Of a gap that narrows towards an end, as between two keys on an
+    /// arc, the way is the longest one, but not longer than reaches the other outline: the shares of both cover the gap, and overlap.
     pub fn share(&self, index: usize, part: f32, max: f32) -> Share {
         let outline = &self.outlines[index];
         let half = outline.half_extents();
@@ -42,14 +43,13 @@ impl<'a> Neighborhood<'a> {
         for other in self.near(index, 2.0 * reach) {
             let corners = outline.local_corners(other);
             for axis in 0..2 {
-                let Some([low, high]) = extent_beside(&corners, axis, half[1 - axis]) else {
+                let Some(beside) = Beside::new(&corners, axis, half[1 - axis]) else {
                     continue;
                 };
-                let (below, above) = (-half[axis] - high, low - half[axis]);
-                // The centers tell the side: neighbors may overlap by a rounding error.
-                let side = usize::from(low + high > 0.0);
-                let gap = if side == 0 { below } else { above };
-                free[side][axis] = free[side][axis].min(gap.max(0.0));
+                let [narrow, wide] = beside.edge.map(|edge| (edge - half[axis]).max(0.0));
+                let gap = wide.min(2.0 * narrow);
+                let side = usize::from(beside.is_above);
+                free[side][axis] = free[side][axis].min(gap);
             }
         }
         let [low, high] = free.map(|side| 0.5 * Vec2::from_array(side));
@@ -76,33 +76,63 @@ impl<'a> Neighborhood<'a> {
     }
 }
 
-/// Returns the lowest and highest coordinate along `axis` of the part of a quadrilateral that lies in the strip of
-/// `half_width` around that axis, or `None` if no part does.
-fn extent_beside(corners: &[Vec2; 4], axis: usize, half_width: f32) -> Option<[f32; 2]> {
-    let across = corners.map(|corner| corner[1 - axis]);
-    let [low, high] = [
-        across.into_iter().fold(f32::INFINITY, f32::min),
-        across.into_iter().fold(f32::NEG_INFINITY, f32::max),
-    ];
-    // A neighbor that shares only the border of the strip is beside it.
-    if low > half_width - TOLERANCE || high < TOLERANCE - half_width {
-        return None;
+/// The part of a neighbor that lies in the strip of an outline along one of its axes.
+struct Beside {
+    /// `true` if it lies in the positive direction.
+    is_above: bool,
+    /// The smallest and the largest distance of its near edge from the center of the outline, along the axis, in metres.
+    edge: [f32; 2],
+}
+
+impl Beside {
+    /// Returns the part of a quadrilateral in the strip of `half_width` around `axis`, or `None` if there is none.
+    fn new(corners: &[Vec2; 4], axis: usize, half_width: f32) -> Option<Self> {
+        let across = corners.map(|corner| corner[1 - axis]);
+        let [low, high] = range(across);
+        // A neighbor that shares only the border of the strip is beside it.
+        if low > half_width - TOLERANCE || high < TOLERANCE - half_width {
+            return None;
+        }
+        // The center tells the side: neighbors may overlap by a rounding error.
+        let is_above = corners.iter().map(|corner| corner[axis]).sum::<f32>() > 0.0;
+        let sign = if is_above { 1.0 } else { -1.0 };
+        let corners = corners.map(|corner| [sign * corner[axis], corner[1 - axis]]);
+        let ends = [low.max(-half_width), high.min(half_width)];
+        let at_ends = ends.map(|end| near_edge(&corners, end));
+        let inside = corners.iter().filter(|it| it[1].abs() <= half_width);
+        let nearest = inside.map(|it| it[0]).fold(f32::INFINITY, f32::min);
+        let [narrow, wide] = range(at_ends);
+        Some(Self {
+            is_above,
+            edge: [narrow.min(nearest), wide],
+        })
     }
-    let mut extent = [f32::INFINITY, f32::NEG_INFINITY];
-    let mut include = |along: f32| extent = [extent[0].min(along), extent[1].max(along)];
+}
+
+/// Returns the smallest coordinate along the axis at which a quadrilateral is met at a coordinate across it. Corners are `[along, across]`.
+fn near_edge(corners: &[[f32; 2]; 4], across: f32) -> f32 {
+    let mut nearest = f32::INFINITY;
     for (index, &start) in corners.iter().enumerate() {
         let end = corners[(index + 1) % 4];
-        if start[1 - axis].abs() <= half_width + TOLERANCE {
-            include(start[axis]);
+        let [low, high] = range([start[1], end[1]]);
+        if across < low - TOLERANCE || across > high + TOLERANCE {
+            continue;
         }
-        for edge in [-half_width, half_width] {
-            let [from, to] = [start, end].map(|corner| corner[1 - axis] - edge);
-            if from * to < 0.0 {
-                include(start[axis] + (end[axis] - start[axis]) * from / (from - to));
-            }
-        }
+        let met = if high - low < TOLERANCE {
+            start[0].min(end[0])
+        } else {
+            let t = ((across - start[1]) / (end[1] - start[1])).clamp(0.0, 1.0);
+            start[0] + (end[0] - start[0]) * t
+        };
+        nearest = nearest.min(met);
     }
-    Some(extent)
+    nearest
+}
+
+fn range<const N: usize>(values: [f32; N]) -> [f32; 2] {
+    let low = values.iter().copied().fold(f32::INFINITY, f32::min);
+    let high = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    [low, high]
 }
 
 #[cfg(test)]
@@ -156,14 +186,53 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_neighbor_limits_by_its_nearest_point_in_the_strip() {
+    fn a_key_reaches_a_turned_neighbor_but_not_into_it() {
         let turned = Outline {
             rotation: std::f32::consts::FRAC_PI_4,
             ..key(24.0, 0.0, HALF)
         };
         let gap = 24.0 - 8.5 * std::f32::consts::SQRT_2 - 8.5;
         let found = share(&[key(0.0, 0.0, HALF), turned]);
-        assert!((found[1] - 0.5 * gap).abs() < 0.01, "{found:?}");
+        assert!((found[1] - gap).abs() < 0.01, "{found:?}");
         assert_eq!([found[0], found[2], found[3]], [8.5; 3]);
+    }
+
+    #[test]
+    fn the_shares_of_keys_on_an_arc_cover_the_gaps_between_them() {
+        const RADIUS: f32 = 0.32;
+        let on_arc = |radius: f32, angle: f32| {
+            let direction = Vec2::from_angle(angle);
+            Outline {
+                center: Vec2::new(direction.y, direction.x) * radius,
+                rotation: -angle,
+                ..key(0.0, 0.0, HALF)
+            }
+        };
+        let rows = [(RADIUS, 0.0), (RADIUS - 0.019, 0.5)];
+        let keys: Vec<Outline> = rows
+            .into_iter()
+            .flat_map(|(radius, shift)| {
+                (-4..=4).map(move |column| (radius, (column as f32 + shift) * 0.019 / radius))
+            })
+            .map(|(radius, angle)| on_arc(radius, angle))
+            .collect();
+        let neighbors = Neighborhood::new(&keys);
+        let is_covered = |point: Vec2| {
+            (0..keys.len()).any(|index| {
+                let Share { low, high } = neighbors.share(index, 0.5, 1.0);
+                let half = keys[index].half_extents();
+                let local =
+                    Vec2::from_angle(-keys[index].rotation).rotate(point - keys[index].center);
+                local.cmple(half + high).all() && local.cmpge(-half - low).all()
+            })
+        };
+        for step in 0..400 {
+            let angle = (step as f32 / 400.0 - 0.5) * 0.3;
+            for radius in [-17.0, -9.5, -8.5, -1.0, 0.0, 5.0, 8.5] {
+                let direction = Vec2::from_angle(angle);
+                let point = Vec2::new(direction.y, direction.x) * (RADIUS + radius * 1e-3);
+                assert!(is_covered(point), "{point}");
+            }
+        }
     }
 }
