@@ -278,6 +278,16 @@ fn a_long_press_of_a_tap_hold_key_holds_until_the_release() {
 }
 
 #[test]
+fn a_tap_hold_key_does_not_hold_by_poses_of_the_other_hand() {
+    let left = |end: &str| {
+        let unseen = "index q up; index q down; wait 100; right; index w up; wait 150";
+        hold(&format!("left; {unseen}; left & index q {end}"))
+    };
+    assert_eq!(left("up"), "dn:Q up:Q", "it may have lifted early");
+    assert_eq!(left("down"), "dn:ShiftLeft", "it has stayed");
+}
+
+#[test]
 fn the_touch_times_decide_between_tap_and_hold_within_a_step() {
     // Pressed 8.081 ms into its step; 1 mm deep 8.056 or 8.169 ms into the twentieth step after it.
     for (depth, expected) in [

@@ -42,6 +42,17 @@ fn a_chord_key_acts_on_its_own_after_the_chord_time() {
 }
 
 #[test]
+fn a_chord_waits_for_a_pose_of_the_hand_that_presses_its_keys() {
+    let left = |middle: &str| {
+        let unseen = "index J down; right; index A up; wait 100";
+        let script = format!("left; {OVER}; {unseen}; left & {middle}; wait 60");
+        simulate_layout(KEYS, CHORDS, &script)
+    };
+    assert_eq!(left("middle K 24"), "dn:Escape", "pressed while unseen");
+    assert_eq!(left("middle K up"), "dn:J");
+}
+
+#[test]
 fn a_short_tap_of_a_chord_key_taps_that_key() {
     assert_eq!(chords("index J tap"), "dn:J up:J");
 }

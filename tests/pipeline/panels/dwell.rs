@@ -71,6 +71,16 @@ fn a_dwell_that_ends_early_does_not_fire() {
 }
 
 #[test]
+fn a_dwell_does_not_fire_by_poses_of_the_other_hand() {
+    let left = |end: &str| {
+        let unseen = "index A up; index A 1; wait 250; right; index B up; wait 200";
+        simulate(KEYS, &format!("left; {unseen}; left & index A {end}"))
+    };
+    assert_eq!(left("up"), "", "it may have left before the dwell time");
+    assert_eq!(left("1"), "dn:A up:A", "it has stayed");
+}
+
+#[test]
 fn each_finger_has_its_own_dwell_time() {
     assert_events(
         KEYS,

@@ -150,6 +150,13 @@ impl Chords {
         Some(chord.source)
     }
 
+    /// Iterates over the fingers of a press: of the pressed chord with this source, or else the source itself.
+    pub(super) fn fingers_of(&self, source: PressSource) -> impl Iterator<Item = PressSource> {
+        let chord = self.pressed.iter().find(|chord| chord.source == source);
+        let fingers = chord.map_or([None; FINGERS_OF_BOTH_HANDS], |chord| chord.fingers);
+        fingers.into_iter().flatten().chain([source])
+    }
+
     fn key(&self, target: TargetId) -> Option<KeySet> {
         Some(1 << self.chord_keys.get(target)?)
     }
@@ -247,6 +254,15 @@ impl Keyboard {
     pub(super) fn press_gathered_if_due(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         if let Some(due) = self.chords.due().filter(|&due| due <= time) {
             self.press_gathered(due, out);
+        }
+    }
+
+    /// Presses the gathered keys if their time window has ended by the latest pose of each of their hands.
+    pub(super) fn press_gathered_if_seen(&mut self, out: &mut DeviceOutput) {
+        let gathered = self.chords.gathered.iter();
+        let seen = gathered.map(|press| self.seen[press.touch.side.index()]);
+        if let Some(time) = seen.min() {
+            self.press_gathered_if_due(time, out);
         }
     }
 

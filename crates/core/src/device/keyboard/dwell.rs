@@ -24,7 +24,10 @@ impl Keyboard {
                 Phase::Touched => self.begin_dwell(touch, source),
                 Phase::Left | Phase::Cancelled => {
                     if touch.phase == Phase::Left {
-                        self.fire_dwells_where(touch.time, |dwell| dwell.source == source, out);
+                        self.fire_dwells_where(
+                            |_, dwell| dwell.source == source && dwell.due <= touch.time,
+                            out,
+                        );
                     }
                     self.dwells.retain(|dwell| dwell.source != source);
                 }
@@ -33,9 +36,12 @@ impl Keyboard {
         }
     }
 
-    /// Fires the dwells that are due by `time`.
-    pub(super) fn fire_due_dwells(&mut self, time: Timestamp, out: &mut DeviceOutput) {
-        self.fire_dwells_where(time, |_| true, out);
+    /// Fires the dwells that are due by the latest pose of their hand.
+    pub(super) fn fire_due_dwells(&mut self, out: &mut DeviceOutput) {
+        self.fire_dwells_where(
+            |keyboard, dwell| dwell.due <= keyboard.seen_until(dwell.source),
+            out,
+        );
     }
 
     fn begin_dwell(&mut self, touch: &Touch, source: PressSource) {
@@ -54,12 +60,14 @@ impl Keyboard {
 
     fn fire_dwells_where(
         &mut self,
-        time: Timestamp,
-        matches: impl Fn(&PendingDwell) -> bool,
+        is_due: impl Fn(&Self, &PendingDwell) -> bool,
         out: &mut DeviceOutput,
     ) {
-        let is_due = |dwell: &PendingDwell| dwell.due <= time && matches(dwell);
-        while let Some(index) = self.dwells.iter().position(is_due) {
+        let next = |keyboard: &Self| {
+            let mut dwells = keyboard.dwells.iter();
+            dwells.position(|dwell| is_due(keyboard, dwell))
+        };
+        while let Some(index) = next(self) {
             let PendingDwell { source, key, due } = self.dwells.remove(index);
             let KeyBinding {
                 target, debounce, ..

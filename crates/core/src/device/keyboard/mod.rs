@@ -21,7 +21,7 @@ use super::debounce::Debouncer;
 use super::target_index::TargetIndex;
 use super::{Capabilities, DeviceInput, DeviceOutput, KeyAction, PressSource, VirtualDevice};
 use crate::contact::{MAX_TOUCHES, Phase, Press, TargetId, Touch};
-use crate::hand::{FINGERS_OF_BOTH_HANDS, FingerSet};
+use crate::hand::{FINGERS_OF_BOTH_HANDS, FingerSet, Side};
 use crate::time::Timestamp;
 
 /// The keys of a layout.
@@ -32,6 +32,9 @@ use crate::time::Timestamp;
 /// In one step, the keys that were down before are released first; then presses follow in order of time;
 /// then the releases of presses of the same step. Where this is not the order of time, the later event gets
 /// the later time; times never decrease. A key that fires at its release counts as a press of that moment.
+///
+/// A key that fires after a time, such as a dwell or a hold, waits for a pose of its own hand: poses of the other hand do not show
+/// that a fingertip is still on it.
 #[derive(Clone, Debug)]
 pub struct Keyboard {
     bindings: Vec<KeyBinding>,
@@ -43,6 +46,8 @@ pub struct Keyboard {
     debouncer: Debouncer,
     depths: DepthReporter,
     velocities: VelocityReporter,
+    /// The time of the latest pose of each hand, by side.
+    seen: [Timestamp; Side::COUNT],
 }
 
 /// The touches of a step, in the order in which they are handled; the index keeps the order of ties.
@@ -69,7 +74,18 @@ impl Keyboard {
             chords: Chords::default(),
             depths: DepthReporter::default(),
             velocities: VelocityReporter::default(),
+            seen: Default::default(),
         }
+    }
+
+    /// Returns the time until which the fingers of a press have been seen.
+    fn seen_until(&self, source: PressSource) -> Timestamp {
+        let fingers = self.chords.fingers_of(source);
+        let seen = fingers.filter_map(|finger| match finger {
+            PressSource::Touch(side, ..) => Some(self.seen[side.index()]),
+            PressSource::Part(..) => None,
+        });
+        seen.min().unwrap_or_default()
     }
 
     fn binding(&self, target: TargetId) -> Option<&KeyBinding> {
@@ -257,9 +273,10 @@ impl VirtualDevice for Keyboard {
             self.handle_touches(touches, input.presses, out);
         }
         self.update_dwells(input.touches, out);
-        self.press_gathered_if_due(input.pose.time, out);
-        self.hold_due(input.pose.time, out);
-        self.fire_due_dwells(input.pose.time, out);
+        self.seen[input.pose.side.index()] = input.pose.time;
+        self.press_gathered_if_seen(out);
+        self.hold_due(out);
+        self.fire_due_dwells(out);
         self.emit_depths(input.touches, out);
     }
 

@@ -91,27 +91,32 @@ impl Keyboard {
         would_be && !out.arbiter.has_press_from(source)
     }
 
-    /// Turns the pending presses that are due by `time` into holds.
-    pub(super) fn hold_due(&mut self, time: Timestamp, out: &mut DeviceOutput) {
-        self.hold_where(|due| (due <= time).then_some(due), out);
+    /// Turns the pending presses that are due by the latest poses of their fingers into holds.
+    pub(super) fn hold_due(&mut self, out: &mut DeviceOutput) {
+        self.hold_where(
+            |keyboard, source, due| (due <= keyboard.seen_until(source)).then_some(due),
+            out,
+        );
     }
 
     /// Turns all pending tap-hold presses into holds because another key is pressed at `time`.
     pub(super) fn hold_pending(&mut self, time: Timestamp, out: &mut DeviceOutput) {
-        self.hold_where(|due| Some(due.min(time)), out);
+        self.hold_where(|_, _, due| Some(due.min(time)), out);
     }
 
-    /// Turns pending presses into holds: each at the time that `hold_time` returns for its due time, unless that is `None`.
+    /// Turns pending presses into holds: each at the time that `hold_time` returns for its source and its due time, unless that is
+    /// `None`.
     fn hold_where(
         &mut self,
-        hold_time: impl Fn(Timestamp) -> Option<Timestamp>,
+        hold_time: impl Fn(&Self, PressSource, Timestamp) -> Option<Timestamp>,
         out: &mut DeviceOutput,
     ) {
         let mut index = 0;
         while let Some(press) = self.pending.get(index) {
+            let source = press.source;
             let hold = press
                 .hold
-                .and_then(|(due, action)| Some((hold_time(due)?, action)));
+                .and_then(|(due, action)| Some((hold_time(self, source, due)?, action)));
             let is_fired = hold.is_some_and(|(time, action)| self.fire(index, action, time, out));
             index += usize::from(!is_fired);
         }
