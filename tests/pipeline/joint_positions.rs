@@ -16,7 +16,9 @@ use ademan::setup::Setup;
 use ademan::time::Timestamp;
 use glam::{DQuat, DVec3};
 
+use crate::camera::{Camera, hand};
 use crate::support::source::typing_poses;
+use crate::support::wearer::load_layout;
 
 fn model(side: Side) -> ArmModel {
     let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).expect("a human arm");
@@ -418,5 +420,75 @@ fn the_markers_at_the_sides_of_the_wrist_show_the_turn_of_the_forearm() {
             let found = supination_of_markers(side, degrees);
             assert!((found - degrees).abs() < 1e-6, "{side} {degrees}: {found}");
         }
+    }
+}
+
+/// A key 40 mm below the index fingertip of an arm that is held straight.
+const AT_ELBOW: &str = r#"Layout(name: "arm", boards: [(
+    pose: (anchor: elbow, right_mm: -20, forward_mm: 430, height_mm: -40),
+    keys: [(code: "A", at_mm: (0, 0), size_mm: Box(30, 30), travel_mm: 10)],
+)])"#;
+
+/// An arm in front of a camera.
+struct SeenArm {
+    camera: Camera,
+    tip: DVec3,
+    elbow: DVec3,
+}
+
+impl SeenArm {
+    fn new() -> Self {
+        let source = "stdin:?protocol=openxr".parse().expect("a source");
+        let setup = Setup {
+            source: Some(source),
+            ..Setup::default()
+        };
+        let tip = DVec3::new(0.1, 0.0, -0.4);
+        let mut arm = Self {
+            camera: Camera::new(&load_layout(AT_ELBOW, setup)),
+            tip,
+            elbow: tip + DVec3::new(0.02, 0.0, 0.43),
+        };
+        arm.show(true, 30);
+        arm
+    }
+
+    /// Sends pictures, with or without the elbow.
+    fn show(&mut self, is_elbow_seen: bool, pictures: usize) {
+        for _ in 0..pictures {
+            self.camera.advance();
+            let mut positions = hand(self.tip, 0.0);
+            if is_elbow_seen {
+                positions.set(Joint::Elbow, self.elbow);
+            }
+            let is_accepted = self.camera.send(Side::Right, Sample::Joints { positions });
+            assert!(is_accepted, "the hand is seen");
+        }
+    }
+
+    /// Moves the fingertip in six pictures, of which one may not show the elbow.
+    fn move_tip(&mut self, motion: DVec3, hidden: usize) {
+        for picture in 0..6 {
+            self.tip += motion / 6.0;
+            self.show(picture != hidden, 1);
+        }
+        self.show(true, 10);
+    }
+}
+
+#[test]
+fn an_arm_that_moves_while_its_elbow_is_hidden_does_not_push_a_finger_into_a_key() {
+    let mut arm = SeenArm::new();
+    for _ in 0..5 {
+        arm.tip += DVec3::NEG_Y * 0.014;
+        arm.elbow += DVec3::NEG_Y * 0.014;
+        arm.show(false, 1);
+    }
+    arm.show(true, 15);
+    assert_eq!(arm.camera.keys(), "");
+    for hidden in 0..6 {
+        arm.move_tip(DVec3::NEG_Y * 0.05, hidden);
+        arm.move_tip(DVec3::Y * 0.05, hidden);
+        assert_eq!(arm.camera.keys(), "A -A", "one picture: {hidden}");
     }
 }

@@ -62,6 +62,8 @@ pub struct Estimate {
     pub untrusted: FingerSet,
     /// `true` if the hand was re-acquired at another position. The movement in between was not seen.
     pub jumped: bool,
+    /// `true` if a part of the arm was not seen for so long before this reading that its movement is not known.
+    pub is_after_gap: bool,
     /// `false` if the position of the hand in the world is not known, as when the source of its arm was lost. Nothing can be
     /// touched or pointed at.
     pub is_placed: bool,
@@ -83,6 +85,7 @@ impl Estimate {
             angles,
             untrusted: FingerSet::NONE,
             jumped: false,
+            is_after_gap: false,
             is_placed: true,
             root: None,
             displacement: None,
@@ -98,6 +101,7 @@ impl Estimate {
             angles,
             untrusted,
             jumped,
+            is_after_gap,
             is_placed,
             root,
             displacement,
@@ -108,6 +112,7 @@ impl Estimate {
         self.angles = *angles;
         self.untrusted = *untrusted;
         self.jumped = *jumped;
+        self.is_after_gap = *is_after_gap;
         self.is_placed = *is_placed;
         self.root = *root;
         self.displacement = *displacement;
@@ -126,6 +131,7 @@ impl Estimate {
         self.angles = JointAngles::default();
         self.untrusted = FingerSet::NONE;
         self.jumped = false;
+        self.is_after_gap = false;
         self.is_placed = true;
         self.root = None;
         self.displacement = None;

@@ -154,6 +154,7 @@ impl ArmModel {
         hand.reset(estimate.time, self.side, self.tip_radius);
         hand.untrusted = estimate.untrusted;
         hand.jumped = estimate.jumped;
+        hand.is_after_gap = estimate.is_after_gap;
         if !estimate.is_placed {
             return;
         }

@@ -63,7 +63,8 @@ pub struct HandPose {
     pub untrusted: FingerSet,
     /// `true` if the hand was re-acquired at another position. The movement in between was not seen.
     pub jumped: bool,
-    /// `true` if readings are missing since the earlier pose, so that the path in between is not known. A fingertip enters no target on it.
+    /// `true` if readings are missing since the earlier pose, or a part of the arm was not seen, so that the path in between is not known.
+    /// A fingertip enters no target on it.
     pub is_after_gap: bool,
     /// The radius of the fingertip spheres, in metres.
     pub tip_radius: f32,

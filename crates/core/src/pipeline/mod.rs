@@ -221,7 +221,7 @@ impl Pipeline {
         let earlier = output.pose.time;
         hand.arm.forward_into(&output.estimate, &mut output.pose);
         let gap = output.pose.time.since(earlier);
-        output.pose.is_after_gap = gap > self.settings.max_sweep();
+        output.pose.is_after_gap |= gap > self.settings.max_sweep();
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;
         layout.track(output, hand.estimator.bend_ranges());

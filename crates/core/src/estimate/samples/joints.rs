@@ -17,6 +17,10 @@ const MIN_EXTENT: f64 = 1e-3;
 /// boards may be anchored to it.
 const HOLD: Duration = Duration::from_millis(200);
 
+/// The longest time for which an elbow or a wrist may have no position without its movement being unknown: one picture of a camera with
+/// 30 pictures per second.
+const MAX_STANDSTILL: Duration = Duration::from_millis(40);
+
 /// The joints to which boards are anchored.
 const ANCHORS: [Joint; 2] = [Joint::Elbow, Joint::Wrist];
 
@@ -26,6 +30,8 @@ pub(super) struct JointConverter {
     /// The last position of every joint seen so far.
     last: MeasuredJoints,
     seen_at: [Timestamp; ANCHORS.len()],
+    /// The times at which each anchor had a position last, measured or predicted; `None` before the first.
+    known_at: [Option<Timestamp>; ANCHORS.len()],
     /// `true` if an elbow or wrist that was seen before is hidden for longer than the hold time.
     is_anchor_lost: bool,
     /// The last hand that was seen; `None` before the first.
@@ -51,7 +57,8 @@ impl JointConverter {
     /// Converts positions to measured joints and the angles between them, within the joint limits.
     ///
     /// A joint that is hidden keeps its last position. A finger whose tip is hidden or predicted is untrusted, and so are all fingers
-    /// once an elbow or wrist that was seen before has been hidden for 200 ms.
+    /// once an elbow or wrist that was seen before has been hidden for 200 ms. While it has no position for more than 40 ms, and when it has one
+    /// again, the estimate is [after a gap](Estimate::is_after_gap).
     ///
     /// A sample without positions is of a hand that is not seen: it keeps its pose for the hold time. After
     /// that it is lost: its fingers are untrusted, so that they press nothing, until it is seen again.
@@ -85,6 +92,7 @@ impl JointConverter {
         }
         estimate.measured = self.last;
         estimate.untrusted = self.untrusted(estimate.time, positions);
+        estimate.is_after_gap = self.has_standing_anchor(estimate.time, positions);
         estimate.jumped = self.held.is_some_and(|held| held.is_lost);
         self.held = Some(Held {
             time: estimate.time,
@@ -107,6 +115,22 @@ impl JointConverter {
             held.untrusted
         };
         Ok(())
+    }
+
+    /// Returns `true` if an elbow or a wrist stands still because it has no position, or did so until this sample: what is anchored to it
+    /// has not moved with the hand.
+    fn has_standing_anchor(&mut self, time: Timestamp, positions: &JointPositions) -> bool {
+        let earlier = self.held.map_or(time, |held| held.time);
+        let mut is_standing = false;
+        for (joint, known_at) in ANCHORS.into_iter().zip(&mut self.known_at) {
+            let is_known = positions.get(joint).is_some();
+            let end = if is_known { earlier } else { time };
+            is_standing |= known_at.is_some_and(|known_at| end.since(known_at) > MAX_STANDSTILL);
+            if is_known {
+                *known_at = Some(time);
+            }
+        }
+        is_standing
     }
 
     fn untrusted(&mut self, time: Timestamp, positions: &JointPositions) -> FingerSet {
@@ -189,6 +213,28 @@ mod tests {
                 .untrusted
                 .contains(Finger::Index)
         );
+    }
+
+    #[test]
+    fn an_elbow_without_a_position_for_two_pictures_makes_the_movement_unknown() {
+        let mut converter = JointConverter::default();
+        let mut is_after_gap = |milliseconds: u64, joints: &[(Joint, DVec3)]| {
+            let mut estimate = estimate_at(milliseconds);
+            let settings = EstimatorSettings::unchecked(Smoothing::Off);
+            let sample = sample(joints);
+            let converted = converter.convert(&sample, Side::Right, &settings, &mut estimate);
+            assert_eq!(converted, Ok(()));
+            estimate.is_after_gap
+        };
+        let (elbow, tip) = ((Joint::Elbow, DVec3::Y), (Joint::IndexTip, DVec3::X));
+        assert!(!is_after_gap(0, &[tip]), "none was seen yet");
+        assert!(!is_after_gap(300, &[elbow, tip]));
+        assert!(!is_after_gap(333, &[tip]), "one picture");
+        assert!(!is_after_gap(366, &[elbow, tip]));
+        assert!(!is_after_gap(399, &[tip]));
+        assert!(is_after_gap(432, &[tip]), "two pictures");
+        assert!(is_after_gap(465, &[elbow, tip]), "it may have moved");
+        assert!(!is_after_gap(498, &[elbow, tip]));
     }
 
     #[test]
