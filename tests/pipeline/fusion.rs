@@ -168,6 +168,30 @@ fn a_lost_arm_releases_its_key_and_the_hand_must_leave_the_key_first() {
 }
 
 #[test]
+fn a_hand_that_types_while_its_arm_sends_nothing_presses_no_other_keys() {
+    // 160 ms: less than the stall timeout.
+    const MISSING: usize = 32;
+    const KEYS: [&str; 3] = ["+H", "+E", "+L"];
+    let count = Wearer::new("qwerty-flat", "hel").postures.len();
+    let mut missed = 0;
+    for start in (120..count - MISSING).step_by(8) {
+        let mut wearer = Wearer::new("qwerty-flat", "hel");
+        while wearer.next < count {
+            let is_seen = !(start..start + MISSING).contains(&wearer.next);
+            wearer.show([is_seen, true]);
+            wearer.next += 1;
+        }
+        let typed = wearer.transcript();
+        let presses: Vec<&str> = typed.split(' ').filter(|it| it.starts_with('+')).collect();
+        let mut keys = KEYS.into_iter();
+        let is_part = presses.iter().all(|press| keys.any(|key| key == *press));
+        assert!(is_part, "from posture {start}: {typed}");
+        missed += KEYS.len() - presses.len();
+    }
+    assert!(missed > 0, "no gap hides a tap");
+}
+
+#[test]
 fn an_arm_that_its_tracker_does_not_see_releases_its_key_although_readings_arrive() {
     let mut wearer = Wearer::new("qwerty-flat", "h");
     wearer.play_until_press();

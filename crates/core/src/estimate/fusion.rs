@@ -10,6 +10,10 @@ use crate::time::Timestamp;
 /// The joints that the source of the arm places.
 const ARM_JOINTS: [Joint; 3] = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
 
+/// The time by which a reading of the arm may be later than the one before it was, without the movement in between being unknown. A camera
+/// with 30 pictures per second may lose one.
+const MAX_STANDSTILL: Duration = Duration::from_millis(60);
+
 /// The estimator of a hand whose arm and fingers are measured by two sources.
 ///
 /// Each part has an estimator, and so filters, of its own. An estimate combines the latest state of both: the source of
@@ -18,11 +22,14 @@ const ARM_JOINTS: [Joint; 3] = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
 /// the wrist. The sources are aligned in time by `MergedSource`.
 ///
 /// A part without a reading for longer than the timeout is lost: without the arm the [position](Estimate::is_placed) of the hand is
-/// unknown, without the fingers all fingers are untrusted. The other part stays. An arm that its source no longer sees is lost too.
+/// unknown, without the fingers all fingers are untrusted. The other part stays. An arm that its source no longer sees is lost too. While
+/// readings of the arm are late, and at the first one after that, the estimate is [after a gap](Estimate::is_after_gap).
 #[derive(Clone, Debug)]
 pub struct FusedEstimator {
     parts: [Part; HandPart::COUNT],
     timeout: Duration,
+    /// The time between the last two readings of the arm.
+    arm_interval: Duration,
     /// The time of the latest reading of either part.
     last: Option<Timestamp>,
     /// The estimate of the latest reading, updated in place.
@@ -62,6 +69,7 @@ impl FusedEstimator {
         Self {
             parts: [arm, fingers].map(Part::new),
             timeout,
+            arm_interval: Duration::ZERO,
             last: None,
             estimate,
         }
@@ -74,9 +82,15 @@ impl FusedEstimator {
             return Err(Rejection::OutOfOrder);
         }
         let index = reading.part.unwrap_or(HandPart::Fingers).index();
+        let arm_seen_at = self.parts[HandPart::Arm.index()].seen_at;
+        let arm_interval = arm_seen_at.map_or(Duration::ZERO, |at| reading.time.since(at));
         let part = &mut self.parts[index];
         part.latest = *part.estimator.update(reading)?;
         self.last = Some(reading.time);
+        let is_arm_late = arm_interval > self.arm_interval + MAX_STANDSTILL;
+        if index == HandPart::Arm.index() {
+            self.arm_interval = arm_interval;
+        }
         let is_back = part.seen_at.replace(reading.time).is_none();
         let mut jumped = is_back || part.latest.jumped;
         let other = &mut self.parts[1 - index];
@@ -87,6 +101,8 @@ impl FusedEstimator {
             .take_if(|seen_at| is_overdue(*seen_at))
             .is_some();
         self.fuse(reading.time, jumped);
+        let mut states = self.parts.iter().filter_map(Part::state);
+        self.estimate.is_after_gap = is_arm_late || states.any(|state| state.is_after_gap);
         Ok(&self.estimate)
     }
 
