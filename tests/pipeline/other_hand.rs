@@ -161,6 +161,22 @@ fn a_hand_that_leaves_the_picture_releases_what_the_other_presses_on_it() {
 }
 
 #[test]
+fn a_finger_does_not_sink_into_a_board_whose_hand_is_not_seen_for_a_moment() {
+    let mut person = Person::new();
+    person.hold(1.0);
+    // Both hands sink.
+    let down = DVec3::NEG_Y * 0.07;
+    let (left, right) = (LEFT + down, person.right + down);
+    person.sends_left = false;
+    person.go(4.0 / 30.0, Some(left), right);
+    person.sends_left = true;
+    person.hold(0.5);
+    assert_eq!(person.camera.keys(), "");
+    person.tap(left + ABOVE);
+    assert_eq!(person.camera.keys(), "A -A");
+}
+
+#[test]
 fn readings_of_a_hand_that_stop_release_what_the_other_presses_on_it() {
     let mut person = Person::new();
     person.hold(1.0);

@@ -213,6 +213,7 @@ impl Pipeline {
     /// Runs forward kinematics and contact for the present estimate of a hand.
     fn update_pose(&mut self, index: usize) {
         self.update_other_wrist(index);
+        let is_other_late = self.is_other_wrist_late(index);
         if self.layout().follows_body() {
             self.hands[index].update_body_points();
         }
@@ -221,7 +222,7 @@ impl Pipeline {
         let earlier = output.pose.time;
         hand.arm.forward_into(&output.estimate, &mut output.pose);
         let gap = output.pose.time.since(earlier);
-        output.pose.is_after_gap |= gap > self.settings.max_sweep();
+        output.pose.is_after_gap |= is_other_late || gap > self.settings.max_sweep();
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;
         layout.track(output, hand.estimator.bend_ranges());

@@ -1,12 +1,19 @@
 //! The wrist of the other hand, from which boards and pointers with the anchor `other` are measured.
 
+use std::time::Duration;
+
 use parry3d::math::Vec3;
 
 use super::Pipeline;
 use super::hand_pipeline::HandPipeline;
 use crate::capture::Sample;
 use crate::device::Events;
-use crate::hand::Joint;
+use crate::hand::{Joint, JointPositions};
+use crate::time::Timestamp;
+
+/// The time by which a wrist may be seen later than the time before, without its movement in between being unknown. A camera with 30
+/// pictures per second may lose one.
+const MAX_STANDSTILL: Duration = Duration::from_millis(60);
 
 /// The relation of a hand to the room, in which both hands are measured.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,17 +21,44 @@ pub(super) struct RoomState {
     /// `true` if the source measures positions in the room. Positions of a body have their origin at the shoulder of each arm, and a glove
     /// measures none.
     is_measured: bool,
+    /// The time at which the wrist was seen last.
+    seen_at: Timestamp,
+    /// The time between the last two readings that showed the wrist.
+    interval: Duration,
+    /// The number of times the wrist was seen late; wraps around.
+    gaps: u32,
+    /// The number of times the wrist of the other hand had been seen late when it was used last.
+    other_gaps: u32,
     /// The number of jumps of the hand to another position; wraps around.
     jumps: u32,
     /// The jumps of the other hand when its wrist was used last.
     other_jumps: u32,
 }
 
+impl RoomState {
+    /// Notes the time of a wrist that is seen.
+    fn see_wrist(&mut self, positions: &JointPositions, time: Timestamp) {
+        if positions.get(Joint::Wrist).is_some() {
+            self.gaps = self.gaps.wrapping_add(self.is_late(time).into());
+            self.interval = time.since(self.seen_at);
+            self.seen_at = time;
+        }
+    }
+
+    /// Returns `true` if the wrist stands still at `time` because it has not been seen for a while.
+    fn is_late(&self, time: Timestamp) -> bool {
+        time.since(self.seen_at) > self.interval + MAX_STANDSTILL
+    }
+}
+
 impl HandPipeline {
     /// Updates the relation to the room with an accepted reading.
     pub(super) fn note_room(&mut self, sample: &Sample) {
         match sample {
-            Sample::Joints { .. } => self.room.is_measured = true,
+            Sample::Joints { positions } => {
+                self.room.is_measured = true;
+                self.room.see_wrist(positions, self.output.estimate.time);
+            }
             Sample::Body(_) => self.room.is_measured = false,
             _ => {}
         }
@@ -54,6 +88,20 @@ impl Pipeline {
         let has_jumped = std::mem::replace(&mut hand.room.other_jumps, jumps) != jumps;
         let is_known = is_followed && hand.room.is_measured && !has_jumped;
         hand.output.pose.other_wrist = wrist.filter(|_| is_known);
+    }
+
+    /// Returns `true` if the pose of a hand has the wrist of the other one, whose movement until this step is not known: it is late, or
+    /// was late before.
+    pub(super) fn is_other_wrist_late(&mut self, index: usize) -> bool {
+        let mut others = self.hands.iter().enumerate();
+        let other = others.find(|(other, _)| *other != index);
+        let Some(other) = other.map(|(_, hand)| hand.room) else {
+            return false;
+        };
+        let hand = &mut self.hands[index];
+        let was_late = std::mem::replace(&mut hand.room.other_gaps, other.gaps) != other.gaps;
+        let is_late = was_late || other.is_late(hand.output.estimate.time);
+        is_late && hand.output.pose.other_wrist.is_some()
     }
 
     /// Releases what the other hand holds on boards that follow this one, if this one is lost.
