@@ -88,6 +88,25 @@ fn a_hand_without_readings_releases_what_it_has_locked_and_switched_on() {
 }
 
 #[test]
+fn a_one_shot_ends_in_a_gap_of_its_hand_that_may_hide_its_key() {
+    for (control, armed) in [
+        ("once", "+ShiftLeft +J -J -ShiftLeft"),
+        ("layer-once", "+1 -1"),
+    ] {
+        for (missing, typed) in [(100, armed), (160, "+J -J")] {
+            let mut wearer = wearer(Setup::default());
+            wearer.tap(Side::Left, control);
+            let shown = wearer.shown[Side::Left.index()].take();
+            wearer.hold_still(missing);
+            wearer.shown[Side::Left.index()] = shown;
+            wearer.hold_still(100);
+            wearer.tap(Side::Right, "J");
+            assert_eq!(wearer.transcript(), typed, "{control}, {missing} ms");
+        }
+    }
+}
+
+#[test]
 fn a_lost_source_releases_what_its_hand_has_locked_and_switched_on() {
     for part in [None, Some(HandPart::Fingers)] {
         let mut wearer = wearer(Setup::default());

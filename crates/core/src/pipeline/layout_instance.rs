@@ -293,6 +293,9 @@ impl LayoutInstance {
         self.has_lost_hand = is_lost;
         if is_lost {
             release_hand(&mut self.devices, side, step.pose.time, &mut output);
+        } else if step.pose.is_after_gap {
+            // The key that they are meant for may have been missed.
+            output.arbiter.disarm(side);
         }
         let hand = SequenceHand {
             side,

@@ -280,6 +280,11 @@ impl KeyArbiter {
         self.locks.release_hand(side);
     }
 
+    /// Disarms the one-shots of a hand.
+    pub fn disarm(&mut self, side: Side) {
+        self.one_shots.release_hand(side);
+    }
+
     /// Records that the output gate suppressed the press of a key. The presses of this key hold nothing until they end, and do not count
     /// as taps that lock; a later press presses the key again.
     pub fn suppress_key(&mut self, code: KeyCode) {
