@@ -296,3 +296,16 @@ fn chords_are_tapped_held_act_on_release_type_texts_and_lock_layers() {
     glove.hold(bent(&[Index], 0.6), 300);
     assert_eq!(glove.field.pressed().count(), 1);
 }
+
+#[test]
+fn a_finger_that_bends_in_a_gap_types_nothing_because_others_of_its_chord_may_be_straight_again() {
+    for (missing, typed) in [(10, "a"), (17, "")] {
+        let mut glove = Glove::new(7);
+        glove.hold([0.1; Finger::COUNT], 600);
+        glove.lines += missing;
+        glove.last = bent(&[Finger::Ring], 0.9);
+        glove.hold(glove.last, 300);
+        glove.hold([0.1; Finger::COUNT], 300);
+        assert_eq!(glove.field.text(), typed, "{missing} lines");
+    }
+}

@@ -53,6 +53,21 @@ fn a_chord_waits_for_a_pose_of_the_hand_that_presses_its_keys() {
 }
 
 #[test]
+fn a_chord_of_which_a_key_may_have_been_missed_in_a_gap_has_no_effect() {
+    assert_eq!(chords("index J down; gap 100 & index J up"), "dn:J up:J");
+    assert_eq!(chords("index J down; gap 160 & index J up"), "");
+    assert_eq!(
+        chords("index J down; wait 60; gap 160 & index J up"),
+        "dn:J up:J",
+        "it was pressed before"
+    );
+    assert_eq!(
+        chords("index J down; gap 160 & index J up; index J tap"),
+        "dn:J up:J"
+    );
+}
+
+#[test]
 fn a_short_tap_of_a_chord_key_taps_that_key() {
     assert_eq!(chords("index J tap"), "dn:J up:J");
 }
