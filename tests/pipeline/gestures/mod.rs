@@ -98,6 +98,18 @@ fn a_finger_that_rests_on_a_key_does_not_press_it_on_the_way_to_another_key_in_a
 }
 
 #[test]
+fn a_stroke_that_turns_in_a_gap_presses_nothing() {
+    const STROKES: &str = r#"press: Stroke, rows: [(at_mm: (0, 0), keys: "A B")]"#;
+    // The stroke of a thumb presses when it turns.
+    let stroke = |gap: u32| {
+        let script = format!("thumb A up; thumb A 3; gap {gap} & thumb A up");
+        Rig::on_board(STROKES).run(&script).events()
+    };
+    assert_eq!(stroke(100), "dn:A up:A");
+    assert_eq!(stroke(160), "");
+}
+
+#[test]
 fn tremor_at_the_edge_does_not_cancel_a_press() {
     let tremor = "index w 9.5 0 down; index w 7.5 0 down; ".repeat(10);
     let script = format!("index w 7.5 0 up; index w 7.5 0 down; {tremor}");

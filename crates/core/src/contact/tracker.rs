@@ -21,7 +21,8 @@ use crate::time::Timestamp;
 ///
 /// - A fingertip starts to touch a target only through its front. A fingertip that is inside a
 ///   target when it is first seen (new layout, [`reset`](Self::reset), jump, trusted again), or that has entered one
-///   [in a gap](HandPose::is_after_gap), must leave and enter again. A gap presses a target only if the fingertip is still on it.
+///   [in a gap](HandPose::is_after_gap), must leave and enter again. A gap presses a target only if the fingertip is
+///   still on it, and no target by a stroke.
 /// - It touches one target at most: the first that it enters, by its outline or its share of the gaps; on a tie, the one whose
 ///   outline is nearest, then the one whose center is. It stays on that target, however deep it goes.
 /// - It leaves through the front (`Left`), or sideways by more than the target's margin
@@ -292,7 +293,7 @@ pub(super) struct StepContext<'a> {
     pub(super) start: Timestamp,
     pub(super) end: Timestamp,
     /// `false` if the path of the fingertips is not known.
-    may_enter: bool,
+    pub(super) may_enter: bool,
     pub(super) flexion: &'a Flexion,
     /// The fingers that touch a target, or have entered one by a stroke, at the beginning of the step.
     pub(super) touching: FingerSet,
