@@ -133,7 +133,7 @@ impl Hands {
     }
 
     fn forward_together(&self) {
-        let batch = HandBatch::new(&self.arm, &self.scene, 0).expect("an arm of principal axes");
+        let batch = HandBatch::new(&self.arm, &self.scene, 0);
         let mut tips = [LaneTips::default(); 64];
         for angles in self.lanes.chunks(64) {
             batch.forward(angles, &mut tips[..angles.len()]);
@@ -159,8 +159,7 @@ impl Hands {
     }
 
     fn together(&self, threads: usize) -> Vec<HandTouch> {
-        let batch = HandBatch::new(&self.arm, &self.scene, HANDS);
-        let mut batch = batch.expect("an arm of principal axes");
+        let mut batch = HandBatch::new(&self.arm, &self.scene, HANDS);
         batch.run(&self.times, &self.lanes, threads)
     }
 }

@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ..Setup::default()
         };
         let setup = setup.load_files()?;
-        let mut people = HandBatch::new(&setup.arm, &setup.layout.scene, PEOPLE)?;
+        let mut people = HandBatch::new(&setup.arm, &setup.layout.scene, PEOPLE);
         let angles: Vec<_> = (0..people.block_count())
             .flat_map(|block| (0..FRAMES).map(move |frame| angles(block, frame)))
             .collect();

@@ -1,13 +1,13 @@
 //! Inverse kinematics: the angles that move a fingertip or another joint to a target.
 
 use arrayvec::ArrayVec;
-use glam::{DMat3, DVec3, Quat};
+use glam::{DMat3, DVec3};
 use parry3d::math::{Pose, Vec3};
 
 use super::arm_model::ArmModel;
-use super::joint_rotations::{half_angle, rotation_about};
+use super::joint_rotations::half_angle;
 use super::link::{Link, MAX_LINKS, far_end};
-use super::principal_axis::PrincipalAxis;
+use super::prepared_links::PreparedLink;
 use crate::estimate::{AffineMap, JointAngles};
 use crate::hand::{Dof, Joint};
 
@@ -203,55 +203,46 @@ struct Chain {
 
 /// A link of a chain.
 struct ChainLink {
-    offset: Vec3,
+    link: PreparedLink<f32, 1>,
     axis: Vec3,
-    turn: Turn,
+    angle: Angle,
 }
 
-/// The rotation of a link.
-enum Turn {
-    Fixed(Option<Quat>),
-    /// Turned by the value of a variable, about an axis of the frame of the link if there is one.
-    Driven(usize, AffineMap, Option<(PrincipalAxis, f32)>),
+/// The angle of a link.
+enum Angle {
+    /// The sine and cosine of half the angle.
+    Fixed((f32, f32)),
+    /// The value of a variable with this index, mapped to radians.
+    Driven(usize, AffineMap),
 }
 
 impl ChainLink {
     fn new(link: &Link, variables: &[IkVariable], fixed: &JointAngles) -> Self {
-        let driving = |dof: Dof| {
-            let mut mappings = variables.iter().enumerate().flat_map(|(index, variable)| {
-                let mappings = variable.mappings.iter();
-                mappings.map(move |(own, map)| (*own, index, *map))
-            });
-            // Of several, the last one counts.
-            let last = mappings.rfind(|(own, ..)| *own == dof);
-            let axis = PrincipalAxis::from_vector(link.axis);
-            last.map(|(_, index, map)| Turn::Driven(index, map, axis))
-        };
-        let still = |dof: Dof| Turn::Fixed(Some(rotation_about(link.axis, fixed.get(dof))));
-        let turn = link
-            .dof
-            .map(|dof| driving(dof).unwrap_or_else(|| still(dof)));
+        let mut mappings = variables.iter().enumerate().flat_map(|(index, variable)| {
+            let mappings = variable.mappings.iter();
+            mappings.map(move |(dof, map)| (*dof, index, *map))
+        });
+        // Of several, the last one counts.
+        let driving = mappings.rfind(|(dof, ..)| link.dof == Some(*dof));
+        let radians = link.dof.map_or(0.0, |dof| fixed.get(dof));
         Self {
-            offset: link.offset,
+            link: PreparedLink::new([Some(link)], |[number]| number),
             axis: link.axis,
-            turn: turn.unwrap_or(Turn::Fixed(None)),
+            angle: driving.map_or_else(
+                || Angle::Fixed(half_angle(radians)),
+                |(_, index, map)| Angle::Driven(index, map),
+            ),
         }
     }
 
     fn pose(&self, parent: &Pose, values: &[f64]) -> Pose {
-        let rotation = match self.turn {
-            Turn::Fixed(None) => parent.rotation,
-            Turn::Fixed(Some(rotation)) => parent.rotation * rotation,
-            Turn::Driven(index, map, None) => {
-                parent.rotation * rotation_about(self.axis, map.apply(values[index]))
-            }
-            Turn::Driven(index, map, Some((axis, sense))) => {
-                let (sine, cosine) = half_angle(map.apply(values[index]));
-                axis.rotate(parent.rotation, sine * sense, cosine)
-            }
+        let sine_and_cosine = |_| match self.angle {
+            Angle::Fixed(known) => Some(known),
+            Angle::Driven(index, map) => Some(half_angle(map.apply(values[index]))),
         };
-        let translation = parent.translation + parent.rotation * self.offset;
-        Pose::from_parts(translation, rotation)
+        let mut pose = *parent;
+        self.link.forward(&mut pose, sine_and_cosine, |_, _| {});
+        pose
     }
 }
 
@@ -284,7 +275,7 @@ impl Chain {
         for index in all {
             let link = &model.links()[index];
             let own = ChainLink::new(link, variables, fixed);
-            if chain.links.is_empty() && matches!(own.turn, Turn::Fixed(_)) {
+            if chain.links.is_empty() && matches!(own.angle, Angle::Fixed(_)) {
                 chain.base = own.pose(&chain.base, &[]);
             } else {
                 chain.links.push(own);

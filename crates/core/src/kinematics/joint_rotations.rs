@@ -6,7 +6,7 @@
 
 use std::f32::consts::FRAC_2_PI;
 
-use glam::{Quat, Vec4};
+use glam::Quat;
 use parry3d::math::Vec3;
 
 use crate::estimate::JointAngles;
@@ -21,7 +21,7 @@ const HALF_PI_PARTS: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
 /// Room for the angles and for one that is 0, in whole vector registers.
 const COUNT: usize = Dof::COUNT + 4;
 
-/// The index of an angle that is always 0; see [`JointRotations::lanes`].
+/// The index of an angle that is always 0; see [`JointRotations::half_angles`].
 pub(super) const NO_ROTATION: usize = Dof::COUNT;
 
 /// The sine and cosine of half the angle of each degree of freedom.
@@ -48,34 +48,26 @@ impl JointRotations {
 
     /// Returns the rotation by the angle of `dof` about a unit axis.
     pub(super) fn about(&self, axis: Vec3, dof: Dof) -> Quat {
-        rotation(axis, self.sine_and_cosine(dof))
-    }
-
-    /// Returns the sine and cosine of half the angle of `dof`.
-    pub(super) fn sine_and_cosine(&self, dof: Dof) -> (f32, f32) {
-        (self.sines[dof.index()], self.cosines[dof.index()])
+        let ([sine], [cosine]) = self.half_angles([dof.index()]);
+        Quat::from_vec4((axis * sine).extend(cosine))
     }
 
     /// Returns the sines and cosines of half the angles with these indices in [`Dof::ALL`].
-    pub(super) fn lanes(&self, angles: [usize; 4]) -> (Vec4, Vec4) {
-        let sines = angles.map(|index| self.sines[index]);
-        let cosines = angles.map(|index| self.cosines[index]);
-        (Vec4::from_array(sines), Vec4::from_array(cosines))
+    #[inline]
+    pub(super) fn half_angles<const LANES: usize>(
+        &self,
+        angles: [usize; LANES],
+    ) -> ([f32; LANES], [f32; LANES]) {
+        (
+            angles.map(|index| self.sines[index]),
+            angles.map(|index| self.cosines[index]),
+        )
     }
 }
 
-/// Returns the rotation by an angle in radians about a unit axis, as [`JointRotations::about`] does.
-pub(super) fn rotation_about(axis: Vec3, radians: f64) -> Quat {
-    rotation(axis, half_angle(radians))
-}
-
-/// Returns the sine and cosine of half an angle in radians, the same as [`JointRotations::sine_and_cosine`].
+/// Returns the sine and cosine of half an angle in radians, the same as in [`JointRotations`].
 pub(super) fn half_angle(radians: f64) -> (f32, f32) {
     sin_cos(radians as f32 * 0.5)
-}
-
-fn rotation(axis: Vec3, (sine, cosine): (f32, f32)) -> Quat {
-    Quat::from_vec4((axis * sine).extend(cosine))
 }
 
 /// Returns the sine and cosine of an angle in radians: the polynomials of the Cephes library (`sinf`, `cosf`) after reduction to

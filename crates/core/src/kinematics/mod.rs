@@ -5,10 +5,12 @@ mod arm_model;
 mod finger_lanes;
 mod inverse;
 mod joint_rotations;
+mod lane_pose;
 mod link;
+mod link_pose;
 mod measured;
 mod prepared_arm;
-mod principal_axis;
+mod prepared_links;
 mod reach;
 
 pub use anthropometry::BoneLengths;
@@ -16,9 +18,9 @@ pub(crate) use anthropometry::FOREARM_PER_HAND;
 pub use arm_model::{ArmModel, ArmModelError};
 pub use inverse::{IkSolution, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik};
 pub use joint_rotations::sin_cos;
+pub use lane_pose::{LanePose, rotated};
 pub use link::{Link, MAX_LINKS};
-pub use prepared_arm::used_links;
-pub use principal_axis::PrincipalAxis;
+pub use prepared_links::PreparedLinks;
 pub use reach::{HandReach, half_bent_fingers, typing_angle};
 
 use parry3d::math::{Pose, Vec3};

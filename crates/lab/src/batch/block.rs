@@ -3,15 +3,14 @@
 use parry3d::math::{Pose, Vec3};
 use wide::f32x8;
 
-use super::lane_arm::{LaneArm, LaneHands};
-use super::lane_vector::{LaneRotation, LaneVector, add, rotated, splat, to_arrays};
+use super::lane_arm::{LaneArm, LaneHands, LaneVector, to_arrays};
 use super::{AllTips, HandTouch, LANES, LaneAngles};
 
 use crate::contact::surface::{Anchor, Scene, Surface};
 use crate::contact::{ContactTracker, PlacedHand, Touch, Touches};
 use crate::estimate::{Estimate, JointAngles};
 use crate::hand::{Finger, Joint, Side};
-use crate::kinematics::ArmModel;
+use crate::kinematics::{ArmModel, rotated};
 use crate::time::Timestamp;
 
 /// The boards of a scene, for hands of one arm model.
@@ -28,7 +27,7 @@ struct LaneSurface {
     anchor: Option<Joint>,
     /// The translation from the anchor to the surface.
     translation: LaneVector,
-    surface_from_world: LaneRotation,
+    surface_from_world: [f32x8; 4],
     /// Heights below and above all fronts, in metres.
     heights: [f32; 2],
     /// `true` if the fronts are parallel to the surface: a fingertip enters one from above only.
@@ -62,8 +61,8 @@ impl LaneSurface {
                 Anchor::World | Anchor::Start | Anchor::OtherHand | Anchor::Body(_) => None,
                 Anchor::Joint(joint) => Some(joint),
             },
-            translation: splat(translation.to_array()),
-            surface_from_world: splat(rotation.inverse().to_array()),
+            translation: translation.to_array().map(f32x8::splat),
+            surface_from_world: rotation.inverse().to_array().map(f32x8::splat),
             heights: surface.front_heights(),
             is_flat: surface.is_flat(),
             tip_radius,
@@ -78,14 +77,14 @@ impl LaneSurface {
             return UNKNOWN;
         }
         let anchor = match self.anchor {
-            None => splat([0.0; 3]),
+            None => [f32x8::ZERO; 3],
             Some(joint) => hands.joints[joint.index()],
         };
         let origin = add(anchor, self.translation).map(|lanes| -lanes);
         let origin = rotated(&self.surface_from_world, origin);
-        hands.tips.tips.map(|tip| {
-            let tip = rotated(&self.surface_from_world, tip.map(f32x8::new));
-            to_arrays(add(tip, origin))
+        std::array::from_fn(|finger| {
+            let tip = hands.tip(Finger::ALL[finger]);
+            to_arrays(add(rotated(&self.surface_from_world, tip), origin))
         })
     }
 
@@ -108,6 +107,10 @@ impl LaneSurface {
             *lanes |= are_candidates.to_bitmask();
         }
     }
+}
+
+fn add(a: LaneVector, b: LaneVector) -> LaneVector {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// The lanes of each finger, as bits.

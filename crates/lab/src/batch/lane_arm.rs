@@ -1,21 +1,20 @@
-//! Forward kinematics of eight hands to their fingertips.
+//! Forward kinematics of eight hands.
 
-use arrayvec::ArrayVec;
-use parry3d::math::{Pose, Vec3};
+use parry3d::math::Vec3;
 use wide::f32x8;
 
-use super::lane_vector::{
-    LanePose, LaneRotation, LaneVector, add, rotated, rotated_x, splat, to_arrays, turned,
-};
-use super::{AllTips, BatchError, LANES, LaneAngles};
+use super::{AllTips, LANES, LaneAngles};
 use crate::hand::{Dof, Finger, Joint};
-use crate::kinematics::{ArmModel, Link, MAX_LINKS, PrincipalAxis, sin_cos, used_links};
+use crate::kinematics::{ArmModel, LanePose, PreparedLinks, sin_cos};
+
+/// A vector of each hand: x, y and z.
+pub(super) type LaneVector = [f32x8; 3];
 
 /// The positions of the fingertips of eight hands in the world, in metres; NaN for a finger that the arm lacks.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub struct LaneTips {
-    pub(super) tips: AllTips,
+    tips: AllTips,
 }
 
 impl Default for LaneTips {
@@ -38,9 +37,8 @@ impl LaneTips {
     }
 }
 
-/// Eight hands: their fingertips, and the positions of all joints that the arm has.
+/// Eight hands: the positions of all joints and fingertips that the arm has.
 pub(super) struct LaneHands {
-    pub tips: LaneTips,
     pub joints: [LaneVector; Joint::COUNT],
     /// The rotations of the links, by degree of freedom.
     turns: [Turn; Dof::COUNT],
@@ -63,176 +61,57 @@ impl LaneHands {
             is_none: true,
         };
         Self {
-            tips: LaneTips::default(),
             joints: [[f32x8::splat(f32::NAN); 3]; Joint::COUNT],
             turns: [none; Dof::COUNT],
         }
     }
+
+    pub fn tip(&self, finger: Finger) -> LaneVector {
+        self.joints[Joint::tip(finger).index()]
+    }
+
+    /// Copies the fingertips to `tips`.
+    pub fn copy_tips(&self, tips: &mut LaneTips) {
+        for (&finger, tip) in Finger::ALL.iter().zip(&mut tips.tips) {
+            *tip = to_arrays(self.tip(finger));
+        }
+    }
 }
 
-/// An arm model for eight hands: the links that a joint or fingertip depends on, parents before children.
+/// An arm model for eight hands.
 pub(super) struct LaneArm {
-    root: LanePose,
-    links: Vec<LaneLink>,
+    root: LanePose<f32x8>,
+    links: PreparedLinks,
     /// The degrees of freedom of the links, each once.
     dofs: Vec<usize>,
 }
 
-/// One link, for all hands.
-struct LaneLink {
-    parent: Parent,
-    /// `None` if the link turns about the pivot of its parent.
-    offset: Option<Offset>,
-    /// The axis, the sense of the rotation, ±1, and the index of the angle.
-    turn: Option<(PrincipalAxis, f32, usize)>,
-    joint: Option<Joint>,
-    tip: Option<(Finger, f32)>,
-    /// `true` if a link that does not follow this one directly is attached to it.
-    is_branch: bool,
-}
-
-#[derive(Clone, Copy)]
-enum Parent {
-    Root,
-    Previous,
-    /// A branch, by its number.
-    Branch(usize),
-}
-
-/// The position of a pivot in the frame of the parent.
-#[derive(Clone, Copy)]
-enum Offset {
-    AlongX(f32),
-    Any([f32; 3]),
-}
-
 impl LaneArm {
-    pub fn new(arm: &ArmModel) -> Result<Self, BatchError> {
-        let links = &without_unused(arm.links())[..];
-        let is_branch = |index: usize| {
-            let mut children = (0..links.len()).filter(|at| links[*at].parent == Some(index));
-            children.any(|child| child != index + 1)
-        };
-        let branches = |end: usize| (0..end).filter(|at| is_branch(*at)).count();
-        let lane_link = |(index, link): (usize, &Link)| {
-            let parent = match link.parent {
-                None => Parent::Root,
-                Some(parent) if parent + 1 == index => Parent::Previous,
-                Some(parent) => Parent::Branch(branches(parent)),
-            };
-            LaneLink::new(link, parent, is_branch(index))
-        };
-        let links: Vec<_> = links
-            .iter()
-            .enumerate()
-            .map(lane_link)
-            .collect::<Result<_, _>>()?;
-        let turns = links.iter().filter_map(|link| link.turn);
-        let mut dofs: Vec<usize> = turns.map(|(.., dof)| dof).collect();
+    pub fn new(arm: &ArmModel) -> Self {
+        let links = PreparedLinks::new(arm.links(), |_| false);
+        let mut dofs: Vec<usize> = links.angles().collect();
         dofs.sort_unstable();
         dofs.dedup();
-        Ok(Self {
-            root: splat_pose(&arm.world_from_root()),
+        Self {
+            root: LanePose::splat(&arm.world_from_root(), f32x8::splat),
             links,
             dofs,
-        })
+        }
     }
 
-    /// Computes the fingertips and joints in place of earlier ones of the same arm.
+    /// Computes the joints and fingertips in place of earlier ones of the same arm.
     pub fn forward_into(&self, angles: &LaneAngles, hands: &mut LaneHands) {
         for &dof in &self.dofs {
             hands.turns[dof].set(angles.dof(dof));
         }
-        let mut branches = ArrayVec::<LanePose, MAX_LINKS>::new();
-        let mut pose = self.root;
-        for link in &self.links {
-            match link.parent {
-                Parent::Previous => {}
-                Parent::Root => pose = self.root,
-                Parent::Branch(index) => pose = branches[index],
-            }
-            match link.offset {
-                None => {}
-                Some(Offset::AlongX(along)) => pose.advance(f32x8::splat(along)),
-                Some(Offset::Any(offset)) => {
-                    let moved = rotated(&pose.rotation, splat(offset));
-                    pose.translation = add(pose.translation, moved);
-                }
-            }
-            if let Some((axis, sense, dof)) = link.turn {
-                let turn = &hands.turns[dof];
-                if !turn.is_none {
-                    let sines = turn.sines * f32x8::splat(sense);
-                    pose.rotation = turned(&pose.rotation, axis, sines, turn.cosines);
-                }
-            }
-            if let Some(joint) = link.joint {
-                hands.joints[joint.index()] = pose.translation;
-            }
-            if let Some((finger, length)) = link.tip {
-                let mut tip = pose;
-                tip.advance(f32x8::splat(length));
-                hands.joints[Joint::tip(finger).index()] = tip.translation;
-                hands.tips.tips[finger.index()] = to_arrays(tip.translation);
-            }
-            if link.is_branch {
-                branches.push(pose);
-            }
-        }
-    }
-}
-
-impl LanePose {
-    /// Moves the poses along X of their own frames.
-    fn advance(&mut self, along: f32x8) {
-        self.translation = add(self.translation, rotated_x(&self.rotation, along));
-    }
-}
-
-impl LaneLink {
-    fn new(link: &Link, parent: Parent, is_branch: bool) -> Result<Self, BatchError> {
-        let turn = match link.dof {
-            None => None,
-            Some(dof) => {
-                let axis = PrincipalAxis::from_vector(link.axis);
-                let tilted = || BatchError::TiltedAxis(link.name.clone());
-                let (axis, sense) = axis.ok_or_else(tilted)?;
-                Some((axis, sense, dof.index()))
-            }
+        let half_angle = |dof: usize| {
+            let turn = &hands.turns[dof];
+            (!turn.is_none).then_some((turn.sines, turn.cosines))
         };
-        let offset = match link.offset.to_array() {
-            [0.0, 0.0, 0.0] => None,
-            [along, 0.0, 0.0] => Some(Offset::AlongX(along)),
-            offset => Some(Offset::Any(offset)),
-        };
-        Ok(Self {
-            parent,
-            offset,
-            turn,
-            joint: link.joint,
-            tip: link.fingertip.map(|finger| (finger, link.length)),
-            is_branch,
-        })
-    }
-}
-
-/// Returns the links that a joint or fingertip depends on.
-fn without_unused(links: &[Link]) -> Vec<Link> {
-    let is_used = used_links(links);
-    let number = |index: usize| is_used[..index].iter().filter(|is_used| **is_used).count();
-    let used = links.iter().zip(&is_used).filter(|(_, is_used)| **is_used);
-    used.map(|(link, _)| Link {
-        parent: link.parent.map(number),
-        ..link.clone()
-    })
-    .collect()
-}
-
-fn splat_pose(pose: &Pose) -> LanePose {
-    let rotation: LaneRotation = splat(pose.rotation.to_array());
-    LanePose {
-        rotation,
-        translation: splat(pose.translation.to_array()),
+        let links = &self.links;
+        links.forward(&self.root, half_angle, |joint, pose| {
+            hands.joints[joint.index()] = pose.translation;
+        });
     }
 }
 
@@ -248,4 +127,10 @@ impl Turn {
         }
         (self.sines, self.cosines) = (f32x8::new(sines), f32x8::new(cosines));
     }
+}
+
+/// Returns the arrays of a vector.
+#[inline]
+pub(super) fn to_arrays(vector: LaneVector) -> [[f32; LANES]; 3] {
+    vector.map(f32x8::to_array)
 }

@@ -7,7 +7,6 @@
 
 mod block;
 mod lane_arm;
-mod lane_vector;
 
 use std::thread;
 
@@ -16,7 +15,6 @@ use crate::contact::surface::Scene;
 use crate::estimate::JointAngles;
 use crate::hand::{Dof, Finger};
 use crate::kinematics::ArmModel;
-use crate::message::escape;
 use crate::time::Timestamp;
 use block::{Block, LaneBoard};
 pub use lane_arm::LaneTips;
@@ -27,17 +25,6 @@ use crate::contact::ContactTracker;
 
 /// Number of hands that are computed at once.
 pub const LANES: usize = 8;
-
-/// Reason why hands cannot be computed together.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum BatchError {
-    /// A joint turns about an axis between the axes of its frame.
-    #[error(
-        "link `{}` turns about an axis that is not X, Y or Z of its frame; use one of these axes",
-        escape(.0)
-    )]
-    TiltedAxis(String),
-}
 
 /// The joint angles of eight hands at one time, in radians, in single precision. Angles that are not set are 0.
 #[derive(Clone, Copy, Debug, Default)]
@@ -86,14 +73,14 @@ pub struct HandBatch {
 
 impl HandBatch {
     /// Creates `hands` hands, rounded up to whole blocks of eight.
-    pub fn new(arm: &ArmModel, scene: &Scene, hands: usize) -> Result<Self, BatchError> {
+    pub fn new(arm: &ArmModel, scene: &Scene, hands: usize) -> Self {
         let board = LaneBoard::new(scene, arm);
         let block = Block::new(&board);
-        Ok(Self {
-            arm: LaneArm::new(arm)?,
+        Self {
+            arm: LaneArm::new(arm),
             blocks: vec![block; hands.div_ceil(LANES)],
             board,
-        })
+        }
     }
 
     /// Returns the number of blocks of eight hands.
@@ -111,7 +98,7 @@ impl HandBatch {
         let mut hands = LaneHands::new();
         for (pose, pose_tips) in angles.iter().zip(tips) {
             self.arm.forward_into(pose, &mut hands);
-            *pose_tips = hands.tips;
+            hands.copy_tips(pose_tips);
         }
     }
 
