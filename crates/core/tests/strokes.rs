@@ -1,93 +1,18 @@
 //! Keys that strokes press: by the way of a fingertip below the plane of the keys, not by the point at which it passes the plane.
 
-use ademan_core::contact::surface::{Anchor, Scene, Shape, Share, TREMOR_MARGIN, Target};
-use ademan_core::contact::{ContactTracker, Phase, TargetId, Touch, Touches};
-use ademan_core::hand::{Finger, Joint, Side};
+mod row;
+
+use ademan_core::contact::Phase;
+use ademan_core::hand::{Finger, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::time::Timestamp;
-use parry3d::math::{Pose, Rotation, Vec2, Vec3};
-
-const RADIUS: f32 = 0.006;
-const PITCH: f32 = 0.019;
-/// Microseconds between two poses.
-const STEP: u64 = 5_000;
-/// A fingertip that is out of the way.
-const AWAY: Vec3 = Vec3::new(0.0, -0.3, 0.05);
-
-const KNUCKLES: [Joint; Finger::COUNT] = [
-    Joint::ThumbPhalanxProximal,
-    Joint::IndexPhalanxProximal,
-    Joint::MiddlePhalanxProximal,
-    Joint::RingPhalanxProximal,
-    Joint::LittlePhalanxProximal,
-];
-
-/// A row of five keys on a board that faces up. Its X is X of the world, its Y is −Z of the world, and key 0 is at the origin.
-struct Row {
-    scene: Scene,
-    tracker: ContactTracker,
-    time: u64,
-    touches: Vec<Touch>,
-}
-
-/// Points of the pads on the board of some fingers, in metres; others are away.
-type Pads<'a> = &'a [(Finger, Vec3)];
+use parry3d::math::Vec3;
+use row::{RADIUS, Row, at, minimum_jerk};
 
 impl Row {
-    fn new(is_struck: bool) -> Self {
-        let key = |index: u32| Target {
-            shape: Shape::Box(Vec2::splat(0.0085)),
-            share: Share {
-                low: Vec2::splat(0.001),
-                high: Vec2::splat(0.001),
-            },
-            surface_from_target: Pose::from_translation(Vec3::X * PITCH * index as f32),
-            travel: 0.004,
-            press_at: 0.5,
-            release_at: 0.25,
-            margin: TREMOR_MARGIN,
-        };
-        let mut scene = Scene::new();
-        let up = Pose::from_rotation(Rotation::from_rotation_x(-std::f32::consts::FRAC_PI_2));
-        scene.add_surface(Anchor::World, up, (0..5).map(key).collect());
-        for index in (0..5).filter(|_| is_struck) {
-            scene.set_struck(TargetId(index));
-        }
-        Self {
-            tracker: ContactTracker::new(&scene),
-            scene,
-            time: 0,
-            touches: Vec::new(),
-        }
-    }
-
-    /// Shows a hand. Knuckles are 30 mm above the plane of the keys and 60 mm behind the row, unless the hand is lowered.
-    fn show(&mut self, pads: Pads, lowered: f32) {
-        self.time += STEP;
-        let mut pose = HandPose::new(Timestamp(self.time), Side::Right, RADIUS);
-        let up = self.scene.surfaces()[0].anchor_from_surface();
-        let mut set = |joint, at: Vec3| pose.set(joint, Pose::from_translation(up * at));
-        let height = 0.03 - lowered;
-        set(Joint::Wrist, Vec3::new(0.0, -0.14, height));
-        for &finger in Finger::ALL {
-            let x = PITCH * finger.index() as f32;
-            set(KNUCKLES[finger.index()], Vec3::new(x, -0.06, height));
-            let pad = pads.iter().find(|(other, _)| *other == finger);
-            let pad = pad.map_or(AWAY - Vec3::Z * lowered, |(_, pad)| *pad);
-            set(Joint::tip(finger), pad + Vec3::Z * RADIUS);
-        }
-        self.update(&pose);
-    }
-
-    fn update(&mut self, pose: &HandPose) {
-        let mut touches = Touches::new();
-        self.tracker.update(&self.scene, pose, &mut touches);
-        self.touches.extend(touches);
-    }
-
     /// Moves fingers by minimum jerk from points to points in milliseconds.
     fn go(&mut self, ways: &[(Finger, Vec3, Vec3)], milliseconds: u64) {
-        let steps = milliseconds * 1_000 / STEP;
+        let steps = milliseconds * 1_000 / self.period;
         for step in 1..=steps {
             let t = step as f32 / steps as f32;
             let part = minimum_jerk(t);
@@ -119,16 +44,6 @@ impl Row {
         let phases = self.touches.iter().map(|touch| touch.phase);
         phases.filter(|phase| *phase != Phase::Moved).collect()
     }
-}
-
-/// Returns the part of a movement of minimum jerk that is done at a part of its time.
-fn minimum_jerk(t: f32) -> f32 {
-    t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
-}
-
-/// Returns a point above or behind a key, in millimetres from its center.
-fn at(key: u32, x: f32, z: f32) -> Vec3 {
-    Vec3::new(PITCH * key as f32 + x * 1e-3, 0.0, z * 1e-3)
 }
 
 #[test]
@@ -293,7 +208,7 @@ fn a_stroke_that_does_not_turn_presses_within_70_ms() {
         .iter()
         .find(|touch| touch.phase == Phase::Pressed);
     // 8 mm to the press depth take 133 ms.
-    let passed = 20_000 + STEP + 8 * 1_000_000 / 60;
+    let passed = 20_000 + row.period + 8 * 1_000_000 / 60;
     let waited = touched.expect("a press").time.0.saturating_sub(passed);
     assert!((30_000..70_000).contains(&waited), "{waited} µs");
 }
@@ -314,7 +229,7 @@ fn a_finger_that_is_lost_above_the_press_depth_presses_nothing() {
     }
     assert!(straight.touches.is_empty(), "{:?}", straight.touches);
     for _ in 0..20 {
-        straight.time += STEP;
+        straight.time += straight.period;
         straight.update(&HandPose::new(
             Timestamp(straight.time),
             Side::Right,
@@ -331,7 +246,7 @@ fn a_hand_that_is_lost_releases_what_a_stroke_pressed() {
     row.go(&[(Finger::Index, at(1, 0.0, 15.0), at(1, 0.0, -8.0))], 60);
     assert_eq!(row.pressed().len(), 1);
     for _ in 0..20 {
-        row.time += STEP;
+        row.time += row.period;
         row.update(&HandPose::new(Timestamp(row.time), Side::Right, RADIUS));
     }
     assert_eq!(row.phases().last(), Some(&Phase::Cancelled));
