@@ -336,7 +336,7 @@ fn the_noise_of_a_tracker_types_hardly_any_letter_twice_and_misses_hardly_any() 
             let counted = tap_letters(board, &typist, 2_000, 13);
             let case = format!("{press} {noise} {rate}: {counted:?}");
             println!("{case}");
-            assert!(counted.repeated > 5, "contact alone repeats them: {case}");
+            assert!(counted.repeated > 0, "contact alone repeats them: {case}");
             assert!(counted.inserted <= inserted, "{case}");
             assert!(counted.missed <= missed, "{case}");
         }

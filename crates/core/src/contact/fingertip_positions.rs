@@ -6,6 +6,7 @@ use glam::Vec3A;
 use parry3d::math::Vec3;
 
 use super::surface::Surface;
+use super::tip_noise::TipNoise;
 use crate::hand::{Finger, FingerSet};
 use crate::kinematics::HandPose;
 
@@ -74,6 +75,8 @@ pub(crate) struct FingertipPositions {
     current: Fingertips,
     /// The fingers that keep the position of the previous pose, because this pose has none.
     held: FingerSet,
+    /// The noise of the fingertips, without positions that [`set`](Self::set) has set.
+    pub(super) noise: TipNoise,
 }
 
 /// The longest time between two poses for which a fingertip that is missing in the second one keeps its position: two readings of
@@ -115,6 +118,11 @@ impl FingertipPositions {
             held = self.hold_missing();
         }
         self.held = held;
+        if pose.jumped {
+            self.noise.forget_positions();
+        }
+        let current = &self.current;
+        self.noise.push(current.known, &current.centers, gap);
     }
 
     /// Keeps the positions of fingertips that are missing for the first time, and returns these fingers.

@@ -18,6 +18,7 @@ mod strike;
 mod stroke;
 mod target;
 mod target_names;
+mod tip_noise;
 
 pub use bend_tracker::{BendTracker, bent_fingers};
 pub use fingertip_positions::trusted_fingertip;

@@ -75,7 +75,8 @@ impl FingerState {
         stroke.is_spent |= !step.may_enter;
         let exit = sweep.t_at_depth_outward(0.0).map(|t| t.max(since));
         let press_depth = target.press_at * target.travel;
-        if stroke.passed.is_none() && stroke.depth() >= press_depth {
+        let is_deep = stroke.depth() >= press_depth;
+        if stroke.passed.is_none() && is_deep && step.stands_out(stroke.location, target, finger) {
             let t = sweep.t_at_depth_inward(press_depth).unwrap_or(since);
             stroke.passed = Some(step.start.lerp(step.end, t.max(since)));
         }

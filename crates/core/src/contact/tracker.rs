@@ -124,8 +124,8 @@ impl ContactTracker {
     }
 
     /// Updates one finger as [`update`](Self::update) does. The caller has computed its centers on each surface, in the last pose
-    /// and in this one. A finger that follows another one is not recognized as such. Returns `true` if a later update has no effect
-    /// unless the fingertip enters a front.
+    /// and in this one. A finger that follows another one, and noise, are not recognized as such. Returns `true` if a later update has
+    /// no effect unless the fingertip enters a front.
     pub fn update_finger(
         &mut self,
         finger: Finger,
@@ -288,7 +288,7 @@ fn push(
 pub(super) struct StepContext<'a> {
     side: Side,
     pub(super) scene: &'a Scene,
-    positions: &'a [FingertipPositions],
+    pub(super) positions: &'a [FingertipPositions],
     radius: f32,
     pub(super) start: Timestamp,
     pub(super) end: Timestamp,
@@ -443,6 +443,7 @@ impl FingerState {
             && is_before_side_exit(t)
             // After a gap, a straight line to another target may press this one on the way.
             && (contact.is_pressed || step.may_enter || side_exit.is_none())
+            && (contact.is_pressed || step.stands_out(contact.location, target, finger))
         {
             contact.is_pressed = phase == Phase::Pressed;
             contact.depth = level;

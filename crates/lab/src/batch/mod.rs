@@ -1,8 +1,8 @@
 //! Many hands at once: forward kinematics and contact for simulations and evaluations of layouts.
 //!
 //! A lane of a vector register holds one hand, so eight hands take the time of one or two. Fingers far from every key need no
-//! further work; the other ones pass through the [`ContactTracker`] of their hand. All results are equal to the results
-//! of [`ArmModel::forward`] and [`ContactTracker::update`], as the tests of this module show: the operations and their order are
+//! further work; the other ones pass through the [`ContactTracker`] of their hand. All results of hands without noise are equal to the
+//! results of [`ArmModel::forward`] and [`ContactTracker::update`], as the tests of this module show: the operations and their order are
 //! the same. `examples/many_hands.rs` uses it.
 
 mod block;
