@@ -158,7 +158,7 @@ fn the_demo_writes_a_transcript_and_prints_its_statistics() {
 
 #[test]
 fn the_demo_has_a_text_for_a_board_of_digits() {
-    let ended = run(["demo", "--layout", "numpad"]).done();
+    let ended = run(["demo", "--layout", "numpad", "--fast"]).done();
     ended.printed("typed      \"3.14159*2-0.5\"");
 }
 

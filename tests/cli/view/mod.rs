@@ -288,7 +288,7 @@ fn a_picture_and_a_transcript_do_not_share_a_terminal() {
     assert!(!plain.text().contains('┌'));
 
     let ended = crate::run(["run", "--source", "typist:h", "--view", "board"]).exited(2);
-    ended.reported("standard output is no terminal");
+    ended.reported("standard output is not a terminal");
 }
 
 #[test]

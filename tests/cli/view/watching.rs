@@ -115,7 +115,7 @@ fn watching_no_run_or_without_a_terminal_is_explained() {
     );
     screen.assert_restored();
     let ended = crate::run(["watch", "--socket", socket]).exited(2);
-    ended.reported("standard output is no terminal");
+    ended.reported("standard output is not a terminal");
 }
 
 #[test]
