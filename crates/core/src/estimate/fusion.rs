@@ -14,6 +14,11 @@ const ARM_JOINTS: [Joint; 3] = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
 /// with 30 pictures per second may lose one.
 const MAX_STANDSTILL: Duration = Duration::from_millis(60);
 
+/// Returns the longest gap between two readings of the fingers in which they may enter a target: three quarters of the stall timeout.
+pub(crate) fn max_sweep(stall_timeout: Duration) -> Duration {
+    stall_timeout / 4 * 3
+}
+
 /// The estimator of a hand whose arm and fingers are measured by two sources.
 ///
 /// Each part has an estimator, and so filters, of its own. An estimate combines the latest state of both: the source of
@@ -23,7 +28,7 @@ const MAX_STANDSTILL: Duration = Duration::from_millis(60);
 ///
 /// A part without a reading for longer than the timeout is lost: without the arm the [position](Estimate::is_placed) of the hand is
 /// unknown, without the fingers all fingers are untrusted. The other part stays. An arm that its source no longer sees is lost too. While
-/// readings of the arm are late, and at the first one after that, the estimate is [after a gap](Estimate::is_after_gap).
+/// readings of a part are late, and at the first one after that, the estimate is [after a gap](Estimate::is_after_gap).
 #[derive(Clone, Debug)]
 pub struct FusedEstimator {
     parts: [Part; HandPart::COUNT],
@@ -82,8 +87,12 @@ impl FusedEstimator {
             return Err(Rejection::OutOfOrder);
         }
         let index = reading.part.unwrap_or(HandPart::Fingers).index();
-        let arm_seen_at = self.parts[HandPart::Arm.index()].seen_at;
-        let arm_interval = arm_seen_at.map_or(Duration::ZERO, |at| reading.time.since(at));
+        let since_seen = |part: HandPart| {
+            let seen_at = self.parts[part.index()].seen_at;
+            seen_at.map_or(Duration::ZERO, |at| reading.time.since(at))
+        };
+        let arm_interval = since_seen(HandPart::Arm);
+        let are_fingers_late = since_seen(HandPart::Fingers) > max_sweep(self.timeout);
         let part = &mut self.parts[index];
         part.latest = *part.estimator.update(reading)?;
         self.last = Some(reading.time);
@@ -102,7 +111,8 @@ impl FusedEstimator {
             .is_some();
         self.fuse(reading.time, jumped);
         let mut states = self.parts.iter().filter_map(Part::state);
-        self.estimate.is_after_gap = is_arm_late || states.any(|state| state.is_after_gap);
+        let is_part_late = is_arm_late || are_fingers_late;
+        self.estimate.is_after_gap = is_part_late || states.any(|state| state.is_after_gap);
         Ok(&self.estimate)
     }
 
@@ -350,6 +360,32 @@ mod tests {
         }
         let back = show(1300, Some(DVec3::Y));
         assert_eq!(back, [(true, true), (true, false)]);
+    }
+
+    #[test]
+    fn fingers_without_readings_make_the_movement_unknown_although_the_arm_is_seen() {
+        for (missing, is_unknown) in [(140, false), (160, true)] {
+            let estimator = || Estimator::new(EstimatorSettings::default());
+            let timeout = Duration::from_millis(200);
+            let mut hand = FusedEstimator::new(estimator(), estimator(), timeout);
+            let mut is_after_gap = |part: HandPart, milliseconds: u64| {
+                let mut angles = JointAngles::default();
+                angles.set(Dof::IndexMcpFlexion, 0.1);
+                let time = Timestamp(1000 * milliseconds);
+                let mut reading = Reading::new(time, None, Sample::Angles { angles });
+                reading.part = Some(part);
+                let estimate = hand.update(&reading).expect("a plausible reading");
+                estimate.is_after_gap
+            };
+            assert!(!is_after_gap(HandPart::Fingers, 5));
+            for time in (10..missing).step_by(10) {
+                assert!(!is_after_gap(HandPart::Arm, time), "{time} ms");
+            }
+            let end = 5 + missing;
+            assert_eq!(is_after_gap(HandPart::Fingers, end), is_unknown);
+            assert!(!is_after_gap(HandPart::Arm, end + 5));
+            assert!(!is_after_gap(HandPart::Fingers, end + 10));
+        }
     }
 
     #[test]

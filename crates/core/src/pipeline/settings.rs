@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::SourcePermissions;
+use crate::estimate::max_sweep;
 
 /// Settings of a [`Pipeline`](super::Pipeline): arming, stall detection and permissions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +28,7 @@ impl PipelineSettings {
     /// source with a known packet period that loses one packet has a gap of two periods, two thirds of the shortest stall timeout of a
     /// session. Any other source, such as a camera, needs more than seven readings per second to press a key with the default of 200 ms.
     pub(super) fn max_sweep(&self) -> Duration {
-        self.stall_timeout / 4 * 3
+        max_sweep(self.stall_timeout)
     }
 }
 
