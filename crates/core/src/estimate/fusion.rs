@@ -10,9 +10,9 @@ use crate::time::Timestamp;
 /// The joints that the source of the arm places.
 const ARM_JOINTS: [Joint; 3] = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
 
-/// The time by which a reading of the arm may be later than the one before it was, without the movement in between being unknown. A camera
-/// with 30 pictures per second may lose one.
-const MAX_STANDSTILL: Duration = Duration::from_millis(60);
+/// The time by which the interval between two readings may be longer than the interval before it, while the movement still counts as
+/// known: a camera with 30 pictures per second may lose one.
+pub(crate) const MAX_LATENESS: Duration = Duration::from_millis(60);
 
 /// Returns the longest gap between two readings of the fingers in which they may enter a target: three quarters of the stall timeout.
 pub(crate) fn max_sweep(stall_timeout: Duration) -> Duration {
@@ -96,7 +96,7 @@ impl FusedEstimator {
         let part = &mut self.parts[index];
         part.latest = *part.estimator.update(reading)?;
         self.last = Some(reading.time);
-        let is_arm_late = arm_interval > self.arm_interval + MAX_STANDSTILL;
+        let is_arm_late = arm_interval > self.arm_interval + MAX_LATENESS;
         if index == HandPart::Arm.index() {
             self.arm_interval = arm_interval;
         }

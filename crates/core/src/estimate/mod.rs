@@ -31,7 +31,7 @@ pub(crate) use channel_map::channels_of;
 pub use channel_map::{ChannelMap, ChannelRow, InputRow, MAX_CURVATURE, MAX_HYSTERESIS, MAX_ROWS};
 pub use estimator::Estimator;
 pub use fusion::FusedEstimator;
-pub(crate) use fusion::max_sweep;
+pub(crate) use fusion::{MAX_LATENESS, max_sweep};
 pub use hand_angles::{forearm_sides, hand_angles};
 pub use hand_estimator::HandEstimator;
 pub use learned_range::LearnedRange;

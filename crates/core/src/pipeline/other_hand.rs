@@ -8,12 +8,9 @@ use super::Pipeline;
 use super::hand_pipeline::HandPipeline;
 use crate::capture::Sample;
 use crate::device::Events;
+use crate::estimate::MAX_LATENESS;
 use crate::hand::{Joint, JointPositions};
 use crate::time::Timestamp;
-
-/// The time by which a wrist may be seen later than the time before, without its movement in between being unknown. A camera with 30
-/// pictures per second may lose one.
-const MAX_STANDSTILL: Duration = Duration::from_millis(60);
 
 /// The relation of a hand to the room, in which both hands are measured.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,7 +24,7 @@ pub(super) struct RoomState {
     interval: Duration,
     /// The number of times the wrist was seen late; wraps around.
     gaps: u32,
-    /// The number of times the wrist of the other hand had been seen late when it was used last.
+    /// The gaps of the other hand when its wrist was used last.
     other_gaps: u32,
     /// The number of jumps of the hand to another position; wraps around.
     jumps: u32,
@@ -36,7 +33,7 @@ pub(super) struct RoomState {
 }
 
 impl RoomState {
-    /// Notes the time of a wrist that is seen.
+    /// Records the time of a reading, if it shows the wrist.
     fn see_wrist(&mut self, positions: &JointPositions, time: Timestamp) {
         if positions.get(Joint::Wrist).is_some() {
             self.gaps = self.gaps.wrapping_add(self.is_late(time).into());
@@ -47,7 +44,7 @@ impl RoomState {
 
     /// Returns `true` if the wrist stands still at `time` because it has not been seen for a while.
     fn is_late(&self, time: Timestamp) -> bool {
-        time.since(self.seen_at) > self.interval + MAX_STANDSTILL
+        time.since(self.seen_at) > self.interval + MAX_LATENESS
     }
 }
 
@@ -90,8 +87,8 @@ impl Pipeline {
         hand.output.pose.other_wrist = wrist.filter(|_| is_known);
     }
 
-    /// Returns `true` if the pose of a hand has the wrist of the other one, whose movement until this step is not known: it is late, or
-    /// was late before.
+    /// Returns `true` if the pose of a hand has the wrist of the other hand and the movement of that wrist until this step is not known:
+    /// the wrist is late, or was late until its last reading.
     pub(super) fn is_other_wrist_late(&mut self, index: usize) -> bool {
         let mut others = self.hands.iter().enumerate();
         let other = others.find(|(other, _)| *other != index);

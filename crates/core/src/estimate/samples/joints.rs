@@ -57,8 +57,8 @@ impl JointConverter {
     /// Converts positions to measured joints and the angles between them, within the joint limits.
     ///
     /// A joint that is hidden keeps its last position. A finger whose tip is hidden or predicted is untrusted, and so are all fingers
-    /// once an elbow or wrist that was seen before has been hidden for 200 ms. While it has no position for more than 40 ms, and when it has one
-    /// again, the estimate is [after a gap](Estimate::is_after_gap).
+    /// once an elbow or wrist that was seen before has been hidden for 200 ms. Once it has had no position for more than 40 ms, the
+    /// estimate is [after a gap](Estimate::is_after_gap), up to the sample with its next position.
     ///
     /// A sample without positions is of a hand that is not seen: it keeps its pose for the hold time. After
     /// that it is lost: its fingers are untrusted, so that they press nothing, until it is seen again.
@@ -117,8 +117,8 @@ impl JointConverter {
         Ok(())
     }
 
-    /// Returns `true` if an elbow or a wrist stands still because it has no position, or did so until this sample: what is anchored to it
-    /// has not moved with the hand.
+    /// Returns `true` if an elbow or a wrist stands still because it has no position, or stood still until this sample: boards that are
+    /// anchored to it have not moved with the hand.
     fn has_standing_anchor(&mut self, time: Timestamp, positions: &JointPositions) -> bool {
         let earlier = self.held.map_or(time, |held| held.time);
         let mut is_standing = false;
