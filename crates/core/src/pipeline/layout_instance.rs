@@ -254,7 +254,7 @@ impl LayoutInstance {
 
     /// Updates the devices for one hand and one step, and the sequence that it has started. Presses of keys by hands that may only
     /// point are dropped; returns their number. In the step that shows that the hand is lost, its one-shots and locks end, and its
-    /// toggles and radio keys are released; presses, locks and toggles of the other hand stay.
+    /// toggles and radio keys are released; presses, locks and toggles of the other hand stay. After a gap its one-shots end.
     pub(super) fn update_devices(
         &mut self,
         step: &mut StepOutput,
@@ -295,7 +295,7 @@ impl LayoutInstance {
             release_hand(&mut self.devices, side, step.pose.time, &mut output);
         } else if step.pose.is_after_gap {
             // The key that they are meant for may have been missed.
-            output.arbiter.disarm(side);
+            output.arbiter.end_one_shots(side);
         }
         let hand = SequenceHand {
             side,

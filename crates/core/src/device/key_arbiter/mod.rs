@@ -280,8 +280,8 @@ impl KeyArbiter {
         self.locks.release_hand(side);
     }
 
-    /// Disarms the one-shots of a hand.
-    pub fn disarm(&mut self, side: Side) {
+    /// Ends the one-shots that a hand has armed. A one-shot that is active for a press ends with that press.
+    pub fn end_one_shots(&mut self, side: Side) {
         self.one_shots.release_hand(side);
     }
 
