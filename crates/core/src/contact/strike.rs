@@ -71,7 +71,7 @@ impl FingerState {
         let (target, sweep) = step.sweep(stroke.location, finger)?;
         let seconds = step.end.since(step.start).as_secs_f32();
         stroke.push([sweep.from, sweep.to], seconds);
-        // The way of the fingertip in a gap is not known.
+        // The path of the fingertip in a gap is not known.
         stroke.is_spent |= !step.may_enter;
         let exit = sweep.t_at_depth_outward(0.0).map(|t| t.max(since));
         let press_depth = target.press_at * target.travel;

@@ -99,7 +99,7 @@ fn edit_poses(
 /// Returns the tree of the text of a file that was read.
 pub(super) fn tree_of(document: &Document) -> Result<Node, DocumentError> {
     read_tree(&document.text).ok_or_else(|| {
-        let message = "the fields are not found for an edit; write their names without `r#`";
+        let message = "cannot find the fields to edit; write their names without `r#`";
         DocumentError::for_file(&document.file, message)
     })
 }

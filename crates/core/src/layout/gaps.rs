@@ -31,9 +31,9 @@ impl<'a> Neighborhood<'a> {
         }
     }
 
-    /// Returns the share of the outline with this index: on each side half the way to the nearest other outline beside it, at
-    /// most `part` of its own shorter side, and at most `max` metres. Of a gap that narrows towards an end, as between two keys on an
-    /// arc, the way is the longest one, but not longer than reaches the other outline: the shares of both cover the gap, and overlap.
+    /// Returns the share of the outline with this index: on each side half the width of the gap to the nearest other outline beside
+    /// it, at most `part` of its own shorter side, and at most `max` metres. A gap that narrows towards one end, as between two keys
+    /// on an arc, counts by its widest part, but the share does not reach into the other outline: both shares cover the gap, and overlap.
     pub fn share(&self, index: usize, part: f32, max: f32) -> Share {
         let outline = &self.outlines[index];
         let half = outline.half_extents();
@@ -109,7 +109,7 @@ impl Beside {
     }
 }
 
-/// Returns the smallest coordinate along the axis at which a quadrilateral is met at a coordinate across it. Corners are `[along, across]`.
+/// Returns the smallest coordinate along an axis that a quadrilateral has at a coordinate across it. Corners are `[along, across]`.
 fn near_edge(corners: &[[f32; 2]; 4], across: f32) -> f32 {
     let mut nearest = f32::INFINITY;
     for (index, &start) in corners.iter().enumerate() {
@@ -129,6 +129,7 @@ fn near_edge(corners: &[[f32; 2]; 4], across: f32) -> f32 {
     nearest
 }
 
+/// Returns the smallest and the largest value.
 fn range<const N: usize>(values: [f32; N]) -> [f32; 2] {
     let low = values.iter().copied().fold(f32::INFINITY, f32::min);
     let high = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
