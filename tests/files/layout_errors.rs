@@ -551,7 +551,7 @@ fn an_error_in_a_signal_is_at_its_control_or_its_address() {
             "Layout(name: \"t\", boards: [(\n{POSE},\n{controls}\n)], signals: {{\"C4\": (note: 1),\n{signals}}})"
         )
     };
-    let address = "an address of OSC is a path such as `/mixer/1`";
+    let address = "an OSC address is a path such as `/mixer/1`";
     for (signals, expected) in [
         ("\"A\": ()", "sends nothing, set `osc`, `note` or `control`"),
         (

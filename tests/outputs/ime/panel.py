@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A panel of IBus, as desktops have one: writes each list of candidates to the file of ADEMAN_PANEL, and clicks the candidate
+"""An IBus panel, as desktops have one: writes each list of candidates to the file of ADEMAN_PANEL, and clicks the candidate
 that ADEMAN_CLICK names."""
 
 import os

@@ -93,12 +93,12 @@ ranged_numbers! {
     /// Steps of the full range of a control.
     Steps = "a number of steps", whole 1.0 ..= 1000.0, "";
     /// Number that an OSC message has at an end of the range of a control.
-    OscNumber = "a number of OSC", -1e6 ..= 1e6, "";
-    /// Note of MIDI; 60 is middle C.
+    OscNumber = "an OSC number", -1e6 ..= 1e6, "";
+    /// MIDI note; 60 is middle C.
     MidiNote = "a note", whole 0.0 ..= 127.0, "";
-    /// Controller of MIDI; 7 is the volume of a channel.
+    /// MIDI controller; 7 is the volume of a channel.
     MidiController = "a controller", whole 0.0 ..= 119.0, "";
-    /// Channel of MIDI, as musicians count; 10 has the drums.
+    /// MIDI channel, as musicians count; 10 has the drums.
     MidiChannel = "a channel", whole 1.0 ..= 16.0, "", or 1.0;
     /// Fraction of the range of a control.
     Fraction = "a fraction", 0.0 ..= 1.0, "";

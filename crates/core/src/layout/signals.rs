@@ -107,7 +107,7 @@ fn check_address(address: &str) -> Result<(), String> {
         Ok(())
     } else {
         Err(format!(
-            "an address of OSC is a path such as `/mixer/1`, of at most {MAX_ADDRESS_LENGTH} letters, digits and signs other \
+            "an OSC address is a path such as `/mixer/1`, of at most {MAX_ADDRESS_LENGTH} letters, digits and signs other \
          than `# * , ? [ ] {{ }}` and blanks"
         ))
     }

@@ -11,7 +11,7 @@ use crate::time::Timestamp;
 /// as possible move at 0.7 to 1 m/s.
 const FULL_SPEED: f32 = 1.0;
 
-/// The smallest velocity of a press, the step of MIDI; 0 is a release.
+/// The smallest velocity of a press, the step of MIDI velocities; 0 is a release.
 const MIN_VELOCITY: f32 = 1.0 / 127.0;
 
 /// The velocity of a press without evidence: the velocity of keyboards that do not measure it (MIDI 1.0: 64).

@@ -26,7 +26,7 @@ pub(crate) use unsupported::{Listener, Stream, check_path, connect, default_path
     )
 )]
 pub(crate) enum SocketError {
-    /// The path is too long; both lengths are in bytes, for a pipe of Windows in characters.
+    /// The path is too long; both lengths are in bytes, for a Windows pipe in characters.
     #[error("the path has {length} bytes, and a socket path at most {max}")]
     PathTooLong { length: usize, max: usize },
     /// A running program listens there.
