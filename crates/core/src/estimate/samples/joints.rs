@@ -17,9 +17,9 @@ const MIN_EXTENT: f64 = 1e-3;
 /// boards may be anchored to it.
 const HOLD: Duration = Duration::from_millis(200);
 
-/// The longest time for which an elbow or a wrist may have no position without its movement being unknown: one picture of a camera with
-/// 30 pictures per second.
-const MAX_STANDSTILL: Duration = Duration::from_millis(40);
+/// The longest time for which an elbow or a wrist may have no position while its movement still counts as known: one picture of a camera
+/// with 25 or 30 pictures per second, which may arrive 10 ms late.
+const MAX_STANDSTILL: Duration = Duration::from_millis(50);
 
 /// The joints to which boards are anchored.
 const ANCHORS: [Joint; 2] = [Joint::Elbow, Joint::Wrist];
@@ -57,7 +57,7 @@ impl JointConverter {
     /// Converts positions to measured joints and the angles between them, within the joint limits.
     ///
     /// A joint that is hidden keeps its last position. A finger whose tip is hidden or predicted is untrusted, and so are all fingers
-    /// once an elbow or wrist that was seen before has been hidden for 200 ms. Once it has had no position for more than 40 ms, the
+    /// once an elbow or wrist that was seen before has been hidden for 200 ms. Once it has had no position for more than 50 ms, the
     /// estimate is [after a gap](Estimate::is_after_gap), up to the sample with its next position.
     ///
     /// A sample without positions is of a hand that is not seen: it keeps its pose for the hold time. After
@@ -235,6 +235,8 @@ mod tests {
         assert!(is_after_gap(432, &[tip]), "two pictures");
         assert!(is_after_gap(465, &[elbow, tip]), "it may have moved");
         assert!(!is_after_gap(498, &[elbow, tip]));
+        assert!(!is_after_gap(548, &[tip]), "one late picture");
+        assert!(!is_after_gap(571, &[elbow, tip]));
     }
 
     #[test]
