@@ -341,7 +341,7 @@ fn noise_of_measured_joints_and_a_shorter_straight_finger_reject_nothing() {
         };
         let mut noisy = JointPositions::default();
         for (joint, position) in positions.known() {
-            // The sum of three even numbers has a standard deviation of a half: 1 mm.
+            // The sum of three uniform numbers has a standard deviation of a half: 1 mm.
             let mut normal = || (0..3).map(|_| random.f64()).sum::<f64>() - 1.5;
             let noise = glam::DVec3::new(normal(), normal(), normal()) * 2e-3;
             noisy.set(joint, position + noise);

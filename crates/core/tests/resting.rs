@@ -30,7 +30,7 @@ impl Hand {
     /// Shows fingers at heights in millimetres for the next reading, and returns the measured heights.
     fn show(&mut self, heights: [f32; Finger::COUNT]) -> [f32; Finger::COUNT] {
         let mut normal = || {
-            // The sum of twelve even numbers is nearly normal.
+            // The sum of twelve uniform numbers is nearly normal.
             (0..12).map(|_| self.random.f32()).sum::<f32>() - 6.0
         };
         let pads: [(Finger, Vec3); Finger::COUNT] = std::array::from_fn(|index| {

@@ -125,7 +125,7 @@ struct Motion {
 
 impl Motion {
     fn normal(&mut self) -> f32 {
-        // The sum of twelve even numbers is nearly normal.
+        // The sum of twelve uniform numbers is nearly normal.
         (0..12).map(|_| self.random.f32()).sum::<f32>() - 6.0
     }
 }

@@ -224,7 +224,7 @@ mod tests {
     /// White noise with a standard deviation in metres.
     fn white(deviation: f32) -> impl Iterator<Item = f32> {
         let mut random = fastrand::Rng::with_seed(4);
-        // The sum of twelve even numbers is nearly normal.
+        // The sum of twelve uniform numbers is nearly normal.
         let mut normal = move || (0..12).map(|_| random.f32()).sum::<f32>() - 6.0;
         std::iter::repeat_with(move || deviation * normal())
     }
