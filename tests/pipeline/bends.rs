@@ -1,17 +1,20 @@
 //! Chords of bent fingers from the curls of a glove. The curls follow a rule of this test, not the simulated hand: the fingers
 //! of a chord bend one after the other, at their own speeds and to their own ends, over a hand that is relaxed.
 
-use ademan::capture::Reading;
+use std::time::Duration;
+
 use ademan::capture::protocol::Decoder;
 use ademan::capture::protocol::lucidgloves::{FULL_SCALE, decoder};
+use ademan::capture::{Reading, Sample, SourceUri};
 use ademan::device::{EventKind, Events, KeyAction, KeyCode};
 use ademan::files::Load;
-use ademan::hand::Finger;
+use ademan::hand::{Finger, HandPart, Joint, JointPositions, Side};
 use ademan::layout::Layout;
-use ademan::pipeline::PipelineState;
+use ademan::pipeline::{PipelineState, SourceRole};
 use ademan::setup::Setup;
 use ademan::sim::UsTextField;
 use ademan::time::Timestamp;
+use glam::DVec3;
 
 use crate::support::checked::CheckedPipeline;
 use crate::support::lucidgloves::{RATE_HZ, curls, with_noise};
@@ -29,6 +32,8 @@ struct Glove {
     written: String,
     /// The curls of the last line.
     last: [f64; Finger::COUNT],
+    /// `true` if another source shows the arm after each line.
+    is_arm_seen: bool,
     random: fastrand::Rng,
 }
 
@@ -43,6 +48,10 @@ impl Glove {
             layout: layout.to_owned(),
             ..Setup::default()
         };
+        Self::with_setup(setup, seed)
+    }
+
+    fn with_setup(setup: Setup, seed: u64) -> Self {
         let setup = setup.load_files().expect("a valid setup");
         Self {
             pipeline: CheckedPipeline::new(&setup),
@@ -51,6 +60,7 @@ impl Glove {
             field: UsTextField::new(),
             written: String::new(),
             last: [0.2; Finger::COUNT],
+            is_arm_seen: false,
             random: fastrand::Rng::with_seed(seed),
         }
     }
@@ -70,7 +80,30 @@ impl Glove {
                     .step(&reading, &mut events)
                     .expect("an accepted reading");
             });
-        for event in &events {
+        self.handle(&events);
+        if self.is_arm_seen {
+            self.show_arm();
+        }
+    }
+
+    /// Sends a reading of the arm, just after the last line.
+    fn show_arm(&mut self) {
+        let mut positions = JointPositions::default();
+        positions.set(Joint::Elbow, DVec3::ZERO);
+        positions.set(Joint::Wrist, DVec3::NEG_Z * 0.25);
+        let line = Timestamp::from_seconds(self.lines as f64 / RATE_HZ);
+        let time = line + Duration::from_micros(1);
+        let mut reading = Reading::new(time, Some(Side::Right), Sample::Joints { positions });
+        reading.part = Some(HandPart::Arm);
+        let mut events = Events::new();
+        self.pipeline
+            .step(&reading, &mut events)
+            .expect("an accepted reading");
+        self.handle(&events);
+    }
+
+    fn handle(&mut self, events: &Events) {
+        for event in events {
             self.field.handle(event);
             if let EventKind::Character(character) = event.kind {
                 self.written.push(character);
@@ -308,4 +341,29 @@ fn a_finger_that_bends_in_a_gap_types_nothing_because_others_of_its_chord_may_be
         glove.hold([0.1; Finger::COUNT], 300);
         assert_eq!(glove.field.text(), typed, "{missing} lines");
     }
+}
+
+#[test]
+fn a_chord_of_bent_fingers_does_not_depend_on_an_arm_that_is_late() {
+    let source = |uri: &str| -> Option<SourceUri> { Some(uri.parse().expect("a source")) };
+    let setup = Setup {
+        source: source("serial:/dev/x?protocol=lucidgloves"),
+        arm_source: source("udp:127.0.0.1:9000?protocol=markers"),
+        arm_role: Some(SourceRole::Both),
+        layout: "chords-bend".to_owned(),
+        ..Setup::default()
+    };
+    let mut glove = Glove::with_setup(setup, 7);
+    let chord = bent(&[Finger::Ring, Finger::Little], 0.9);
+    for (is_arm_seen, fractions, milliseconds) in [
+        (true, [0.1; Finger::COUNT], 600),
+        (true, chord, 60),
+        (false, chord, 100),
+        (true, chord, 20),
+        (true, [0.1; Finger::COUNT], 400),
+    ] {
+        glove.is_arm_seen = is_arm_seen;
+        glove.hold(fractions, milliseconds);
+    }
+    assert_eq!(glove.field.text(), "d");
 }

@@ -113,6 +113,7 @@ impl FusedEstimator {
         let mut states = self.parts.iter().filter_map(Part::state);
         let is_part_late = is_arm_late || are_fingers_late;
         self.estimate.is_after_gap = is_part_late || states.any(|state| state.is_after_gap);
+        self.estimate.misses_bends = are_fingers_late;
         Ok(&self.estimate)
     }
 
@@ -375,6 +376,7 @@ mod tests {
                 let mut reading = Reading::new(time, None, Sample::Angles { angles });
                 reading.part = Some(part);
                 let estimate = hand.update(&reading).expect("a plausible reading");
+                assert_eq!(estimate.misses_bends, estimate.is_after_gap);
                 estimate.is_after_gap
             };
             assert!(!is_after_gap(HandPart::Fingers, 5));

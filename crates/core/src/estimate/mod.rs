@@ -63,8 +63,11 @@ pub struct Estimate {
     pub untrusted: FingerSet,
     /// `true` if the hand was re-acquired at another position. The movement in between was not seen.
     pub jumped: bool,
-    /// `true` if a part of the arm was not seen for so long before this reading that its movement is not known.
+    /// `true` if the fingers or a part of the arm were not seen for so long before this reading that their movement is not known. The
+    /// pipeline adds missing readings of a hand that one source measures.
     pub is_after_gap: bool,
+    /// `true` if the fingers were not seen for so long, so that it is not known how they have bent. Implies `is_after_gap`.
+    pub misses_bends: bool,
     /// `false` if the position of the hand in the world is not known, as when the source of its arm was lost. Nothing can be
     /// touched or pointed at.
     pub is_placed: bool,
@@ -87,6 +90,7 @@ impl Estimate {
             untrusted: FingerSet::NONE,
             jumped: false,
             is_after_gap: false,
+            misses_bends: false,
             is_placed: true,
             root: None,
             displacement: None,
@@ -103,6 +107,7 @@ impl Estimate {
             untrusted,
             jumped,
             is_after_gap,
+            misses_bends,
             is_placed,
             root,
             displacement,
@@ -114,6 +119,7 @@ impl Estimate {
         self.untrusted = *untrusted;
         self.jumped = *jumped;
         self.is_after_gap = *is_after_gap;
+        self.misses_bends = *misses_bends;
         self.is_placed = *is_placed;
         self.root = *root;
         self.displacement = *displacement;
@@ -133,6 +139,7 @@ impl Estimate {
         self.untrusted = FingerSet::NONE;
         self.jumped = false;
         self.is_after_gap = false;
+        self.misses_bends = false;
         self.is_placed = true;
         self.root = None;
         self.displacement = None;

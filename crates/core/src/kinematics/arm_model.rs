@@ -155,6 +155,7 @@ impl ArmModel {
         hand.untrusted = estimate.untrusted;
         hand.jumped = estimate.jumped;
         hand.is_after_gap = estimate.is_after_gap;
+        hand.misses_bends = estimate.misses_bends;
         if !estimate.is_placed {
             return;
         }

@@ -68,6 +68,9 @@ pub struct HandPose {
     /// `true` if readings are missing since the earlier pose, or a part of the arm was not seen, so that the path in between is not known.
     /// A fingertip enters no target on it.
     pub is_after_gap: bool,
+    /// `true` if readings of the fingers are missing since the earlier pose, so that it is not known how they have bent. Implies
+    /// `is_after_gap`.
+    pub misses_bends: bool,
     /// The radius of the fingertip spheres, in metres.
     pub tip_radius: f32,
     /// The place of the hand at the start, which a new reading keeps.
@@ -89,6 +92,7 @@ impl HandPose {
             untrusted: FingerSet::NONE,
             jumped: false,
             is_after_gap: false,
+            misses_bends: false,
             tip_radius,
             start: StartPlace::default(),
             other_wrist: None,
@@ -105,8 +109,19 @@ impl HandPose {
         self.untrusted = FingerSet::NONE;
         self.jumped = false;
         self.is_after_gap = false;
+        self.misses_bends = false;
         self.tip_radius = tip_radius;
         self.known = 0;
+    }
+
+    /// Returns `true` if presses since the earlier pose may have been missed: of targets that fingertips enter, or of targets that fingers
+    /// press by bending, which do not depend on the arm.
+    pub fn may_hide_presses(&self, by_bending: bool) -> bool {
+        if by_bending {
+            self.misses_bends
+        } else {
+            self.is_after_gap
+        }
     }
 
     /// Sets `world_from_joint` (metres).

@@ -293,7 +293,7 @@ impl LayoutInstance {
         self.has_lost_hand = is_lost;
         if is_lost {
             release_hand(&mut self.devices, side, step.pose.time, &mut output);
-        } else if step.pose.is_after_gap {
+        } else if step.pose.may_hide_presses(self.is_bent) {
             // The key that they are meant for may have been missed.
             output.arbiter.end_one_shots(side);
         }

@@ -221,8 +221,9 @@ impl Pipeline {
         let output = &mut hand.output;
         let earlier = output.pose.time;
         hand.arm.forward_into(&output.estimate, &mut output.pose);
-        let gap = output.pose.time.since(earlier);
-        output.pose.is_after_gap |= is_other_late || gap > self.settings.max_sweep();
+        let misses_readings = output.pose.time.since(earlier) > self.settings.max_sweep();
+        output.pose.is_after_gap |= is_other_late || misses_readings;
+        output.pose.misses_bends |= misses_readings;
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;
         layout.track(output, hand.estimator.bend_ranges());

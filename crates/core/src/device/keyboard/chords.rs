@@ -46,7 +46,7 @@ type KeySet = u64;
 /// released, another key is pressed, or no larger chord is possible. Then the largest chord among them is
 /// pressed, the first in the list if several are as large, then the largest of the rest; keys that are left
 /// act on their own. If a fingertip slides off or is lost before that, or a key may have been missed
-/// [in a gap](crate::kinematics::HandPose::is_after_gap), all gathered presses are dropped: the rest could be an unintended chord.
+/// [in a gap](crate::kinematics::HandPose::may_hide_presses), all gathered presses are dropped: the rest could be an unintended chord.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chords {
     chords: Vec<(KeySet, Chord)>,
@@ -56,7 +56,7 @@ pub(super) struct Chords {
     /// Gathered presses, in order; each finger has one at most.
     gathered: ArrayVec<GatheredPress, FINGERS_OF_BOTH_HANDS>,
     /// `true` if other keys may have been pressed in this step and released again.
-    is_after_gap: bool,
+    may_have_missed: bool,
     /// Chords that are pressed; each has at least one finger.
     pressed: ArrayVec<PressedChord, FINGERS_OF_BOTH_HANDS>,
 }
@@ -112,10 +112,11 @@ impl Chords {
         })
     }
 
-    /// Begins a step. After a gap the gathered presses are dropped, and further ones have no effect until they are released.
-    pub(super) fn begin_step(&mut self, is_after_gap: bool) {
-        self.is_after_gap = is_after_gap;
-        if is_after_gap {
+    /// Begins a step. If keys may have been missed before it, the gathered presses are dropped, and the presses of the step have no effect
+    /// until they are released.
+    pub(super) fn begin_step(&mut self, may_have_missed: bool) {
+        self.may_have_missed = may_have_missed;
+        if may_have_missed {
             self.gathered.clear();
         }
     }
@@ -246,7 +247,7 @@ impl Keyboard {
         };
         let pressed = self.chords.pressed.iter();
         let occupied = pressed.fold(self.chords.gathered_keys(), |set, chord| set | chord.keys);
-        if occupied & key == 0 && !self.chords.is_after_gap {
+        if occupied & key == 0 && !self.chords.may_have_missed {
             let press = GatheredPress { key, touch: *touch };
             // Each finger has one press at most, so there is room.
             let _ = self.chords.gathered.try_push(press);

@@ -268,7 +268,8 @@ impl VirtualDevice for Keyboard {
         // Releases that did not fit into the event list of the last step.
         let last_time = out.arbiter.last_event_time();
         self.velocities.emit_releases(last_time, out);
-        self.chords.begin_step(input.pose.is_after_gap);
+        let is_bent = input.scene.has_bend_targets();
+        self.chords.begin_step(input.pose.may_hide_presses(is_bent));
         // The touches of one step fit into one chunk; a longer list must not lose a release either.
         for touches in input.touches.chunks(MAX_TOUCHES) {
             self.handle_touches(touches, input.presses, out);
