@@ -23,8 +23,7 @@ pub struct CheckedPipeline {
     pipeline: Pipeline,
     oracle: Oracle,
     output: Option<StepOutput>,
-    /// The setup has a text decoder.
-    /// The text decoder of the setup types accents, if there is one.
+    /// `true` if the text decoder of the setup types accents; `None` if there is none.
     accents: Option<bool>,
 }
 
