@@ -300,7 +300,7 @@ fn a_server_without_tokens_or_with_files_of_another_kind_does_not_start() {
     std::fs::write(network.join("certificate.pem"), "none").unwrap();
     let certificate_error = Gatekeeper::open(&network).unwrap_err().to_string();
     assert!(
-        certificate_error.contains("no PEM file"),
+        certificate_error.contains("not a PEM file"),
         "{certificate_error}"
     );
     std::fs::write(network.join("tokens"), "desk see 1234").unwrap();
