@@ -97,8 +97,6 @@ fn a_full_or_closed_standard_output_does_not_lose_the_glove_file() {
         ("found", &["--discover", "--demo"]),
     ] {
         println!("{name}");
-        println!("{name}");
-        println!("{name}");
         let full = [arguments, &["--out", name]].concat();
         let ended = calibrate_after("exec >/dev/full;", &folder, &full).exited(1);
         ended.reported("No space left");
