@@ -152,6 +152,20 @@ fn a_person_who_types_goes_on_with_the_rest_on_another_layout() {
 }
 
 #[test]
+fn a_switch_is_released_by_its_own_name_when_another_layout_follows() {
+    let layout = "Layout(name: \"a\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45), toggles: [(name: \"lamp\", at_mm: (0, 0), hold: Key(\"ShiftLeft\"))])])";
+    let mut session = PageSession::new(layout).expect("a valid layout");
+    assert_eq!(session.play("tap lamp"), []);
+    run(&mut session);
+    let released = objects(&session.set_layout(&shipped("qwerty-flat")));
+    let found = events(&released);
+    assert!(found.iter().any(|it| it == "key-up ShiftLeft"), "{found:?}");
+    let values = released.iter().filter(|it| it["event"] == "value");
+    let names: Vec<&Value> = values.map(|it| &it["target"]).collect();
+    assert_eq!(names, ["lamp"]);
+}
+
+#[test]
 fn a_person_whose_text_was_cleared_goes_on_with_the_rest_on_another_layout() {
     let mut session = session("qwerty-flat");
     session.type_text("hello world");
