@@ -13,7 +13,7 @@ const PACKETS: usize = 120;
 /// The start of a packet.
 const HEADER: [u8; 2] = [6, 6];
 
-/// A channel of the left glove: the neighbour of the right glove's channel, which is free.
+/// A channel of the left glove: the neighbor of the right glove's channel, which is free.
 fn left_channel(channel: usize) -> usize {
     channel ^ 1
 }

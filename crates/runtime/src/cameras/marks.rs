@@ -67,7 +67,7 @@ impl MarkImage {
         Some(Self { width, values })
     }
 
-    fn neighbours(&self, pixel: usize) -> impl Iterator<Item = usize> + use<> {
+    fn neighbors(&self, pixel: usize) -> impl Iterator<Item = usize> + use<> {
         let (width, height) = (self.width, self.values.len() / self.width);
         let (x, y) = (pixel % width, pixel / width);
         let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
@@ -92,7 +92,7 @@ impl MarkImage {
         };
         // The edge of a neighboring mark belongs to the neighbor.
         let mut edge = self.around(&inside);
-        edge.retain(|&pixel| !self.neighbours(pixel).any(|pixel| is_other(pixel, &inside)));
+        edge.retain(|&pixel| !self.neighbors(pixel).any(|pixel| is_other(pixel, &inside)));
         let shape_pixels = inside.len();
         inside.extend(edge);
         let mut all = inside.clone();
@@ -123,9 +123,9 @@ impl MarkImage {
 
     /// Returns the pixels that touch a sorted list of pixels and are not in it, in order.
     fn around(&self, sorted: &[usize]) -> Vec<usize> {
-        let neighbours = sorted.iter().flat_map(|&pixel| self.neighbours(pixel));
+        let neighbors = sorted.iter().flat_map(|&pixel| self.neighbors(pixel));
         let is_outside = |pixel: &usize| sorted.binary_search(pixel).is_err();
-        let mut around: Vec<usize> = neighbours.filter(is_outside).collect();
+        let mut around: Vec<usize> = neighbors.filter(is_outside).collect();
         around.sort_unstable();
         around.dedup();
         around
@@ -190,9 +190,9 @@ impl<'a> OpenPixels<'a> {
         let mut next = 0;
         while let Some(&pixel) = shape.get(next) {
             next += 1;
-            for neighbour in self.image.neighbours(pixel) {
-                if std::mem::take(&mut self.is_open[neighbour]) {
-                    shape.push(neighbour);
+            for neighbor in self.image.neighbors(pixel) {
+                if std::mem::take(&mut self.is_open[neighbor]) {
+                    shape.push(neighbor);
                 }
             }
         }
