@@ -137,7 +137,7 @@ impl<'m> Bench<'m> {
 
     /// Prints the errors of people who pause after each phrase, so that nothing before it is pending, and of those who do not.
     fn pauses(&self) {
-        println!("| tier | without pauses | with a pause behind each phrase |");
+        println!("| tier | without pauses | with a pause after each phrase |");
         println!("|---|---|---|");
         for tier in &TIERS {
             let mut errors = [Errors::default(); 2];

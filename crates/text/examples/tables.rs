@@ -223,7 +223,7 @@ impl Bench<'_> {
         };
         let words = abbreviations(&self.model, &sentences, 300);
         println!(
-            "{} abbreviations behind `the`; wrong ones in percent.\n",
+            "{} abbreviations after `the`; wrong ones in percent.\n",
             words.len()
         );
         println!("| scatter | nearest key | first words | after 30 phrases |");

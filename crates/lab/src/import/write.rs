@@ -92,7 +92,7 @@ pub(super) fn write(grid: &Grid, hands: ImportHands) -> Imported {
     Imported { name, text, notes }
 }
 
-/// Returns the keys of the left and the right thumb from left to right, with those that a layout needs to type and that are on no board.
+/// Returns the keys of the left and the right thumb from left to right. Adds the keys that typing needs and that no board has.
 fn thumb_keys(
     row: &ImportedRow,
     boards: &[BoardText],

@@ -134,7 +134,7 @@ fn cancel(player: &CurrentPlayer) {
     }
 }
 
-/// Makes a signal to stop call an action, also one that came before.
+/// Sets the action of a signal to stop, and takes it at once if such a signal has come before.
 fn on_stop(current: &CurrentPlayer, action: impl Fn() + Send + 'static) {
     *current.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(action));
     if signals::is_stop_requested() {

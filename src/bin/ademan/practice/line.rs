@@ -50,7 +50,7 @@ pub struct CharacterScore {
 }
 
 impl CharacterScore {
-    /// Returns the times at which it was typed.
+    /// Returns the number of attempts without an error.
     pub fn correct(&self) -> usize {
         self.attempts.saturating_sub(self.errors)
     }
