@@ -93,14 +93,15 @@ fn a_transcript_on_a_full_disk_is_reported_and_the_desktop_continues() {
     };
     // The first press fills the disk, the others come after the report.
     for _ in 0..3 {
-        assert!(wait_for(|| {
+        let is_pressed = wait_for(|| {
             glove.play(&press.approach);
             wait_at_most(Duration::from_secs(5), || {
                 server.pressed_keys() == [x11_code("H")]
             })
-        }));
+        });
+        assert!(is_pressed, "{messages:?}");
         glove.play(&press.lift);
-        assert!(server.wait_for_keys(&[]));
+        assert!(server.wait_for_keys(&[]), "{messages:?}");
         assert!(wait_for(is_reported), "{messages:?}");
     }
     assert!(program.0.try_wait().expect("a child process").is_none());
