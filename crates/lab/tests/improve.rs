@@ -280,7 +280,7 @@ fn layouts_of_the_community_become_layouts_that_type() {
 fn other_files_are_refused_with_the_reason() {
     for (text, words) in [
         ("", "the file is empty"),
-        ("{\"a\": 1", "begins as JSON and is not valid"),
+        ("{\"a\": 1", "starts like JSON but is not valid"),
         (
             "{\"keys\": [], \"label\": \"x\"}",
             "files of other layout analyzers",

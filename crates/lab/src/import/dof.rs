@@ -31,7 +31,9 @@ const SHIFT: &str = "shift";
 
 pub(super) fn read(text: &str, stem: &str) -> Result<Grid, ImportError> {
     let value: serde_json::Value = serde_json::from_str(text).map_err(|error| {
-        ImportError::Format(format!("the file begins as JSON and is not valid: {error}"))
+        ImportError::Format(format!(
+            "the file starts like JSON but is not valid: {error}"
+        ))
     })?;
     if let Some(object) = value.as_object()
         && object.contains_key("keys")
