@@ -43,6 +43,8 @@ impl Flexion {
         for &finger in Finger::ALL {
             let index = finger.index();
             let ends = pose.fingertip(finger).zip(pose.position(knuckle(finger)));
+            // A body tracker shows one point of a finger, which has no bend.
+            let ends = ends.filter(|(tip, knuckle)| tip != knuckle);
             let height = ends.zip(palmar);
             let height = height.map(|((tip, knuckle), direction)| (tip - knuckle).dot(direction));
             let Some(now) = height.filter(|height| height.is_finite()) else {
@@ -216,6 +218,23 @@ mod tests {
                 .iter()
                 .any(|it| flexion.follows(*it, FingerSet::ALL))
         );
+    }
+
+    #[test]
+    fn a_finger_of_which_one_point_is_seen_follows_none() {
+        let mut flexion = Flexion::default();
+        for step in 0..=8 {
+            let bends = [2.0 * step as f32, 0.0, 0.0, 0.0, 0.0];
+            let mut pose = pose(Side::Right, bends, 0.0);
+            let seen = pose.position(knuckle(Finger::Index));
+            pose.set(
+                Joint::IndexTip,
+                Pose::from_translation(seen.expect("it is set")),
+            );
+            flexion.push(&pose, Duration::from_millis(5));
+        }
+        assert!(!flexion.follows(Finger::Index, FingerSet::NONE));
+        assert!(flexion.follows(Finger::Middle, FingerSet::NONE));
     }
 
     #[test]
