@@ -44,6 +44,9 @@ const NOISE_TIME: f32 = 1.0;
 /// The fewest readings from which the noise is known.
 const MIN_READINGS: u16 = 16;
 
+/// The number of the first readings whose mean the noise is, unless it forgets sooner.
+const FIRST_READINGS: u16 = 256;
+
 /// The longest time between two readings whose changes tell noise from movement.
 const MAX_PERIOD: Duration = Duration::from_millis(25);
 
@@ -73,7 +76,7 @@ struct FingerNoise {
     newest: usize,
     /// The number of known positions in the ring.
     len: usize,
-    /// The mean of the positions before them, and how many it is the mean of.
+    /// The mean of the positions before them while there is noise, and how many it is the mean of.
     rest: Vec3A,
     averaged: Vec3A,
     /// The variance of the noise, and the number of readings from which it is known.
@@ -142,7 +145,10 @@ impl FingerNoise {
             let last = self.position(0);
             self.measure([last - self.position(1), at - last], step);
         }
-        if self.len >= step.recent {
+        let is_noisy = self.variance.max_element() >= NOISE[0] * NOISE[0];
+        if !is_noisy {
+            self.averaged = Vec3A::ZERO;
+        } else if self.len >= step.recent {
             self.average(self.position(step.recent - 1), step);
         }
         self.newest = (self.newest + 1) % RECENT;
@@ -152,8 +158,12 @@ impl FingerNoise {
 
     /// Updates the noise with two successive changes: noise changes its direction from one to the other, a movement does not.
     fn measure(&mut self, [before, now]: [Vec3A; 2], step: &Step) {
-        self.readings = self.readings.saturating_add(1);
-        let weight = step.noise_weight.max(1.0 / f32::from(self.readings));
+        let weight = if self.readings < FIRST_READINGS {
+            self.readings += 1;
+            step.noise_weight.max(1.0 / f32::from(self.readings))
+        } else {
+            step.noise_weight
+        };
         let limit = (MAX_PRODUCT * self.variance).max(Vec3A::splat(NOISE[0] * NOISE[0]));
         let product = (-before * now).max(Vec3A::ZERO).min(limit);
         self.variance += weight * (product / MEAN_PRODUCT - self.variance);
