@@ -105,7 +105,7 @@ mod tests {
         }
         std::fs::write(&path, text.replace("role type", "role everything")).unwrap();
         let error = TokenFile::read(&path).unwrap_err().to_string();
-        assert!(error.contains("no token file"), "{error}");
+        assert!(error.contains("not a token file"), "{error}");
         assert!(!error.contains(&file.token.to_hex()), "{error}");
     }
 }
