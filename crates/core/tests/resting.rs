@@ -1,11 +1,13 @@
 //! Fingers that rest close above keys in the noise of a source without a filter, while others tap.
 
+mod motion;
 mod row;
 
 use ademan_core::contact::Phase;
 use ademan_core::hand::Finger;
+use motion::{minimum_jerk, normal};
 use parry3d::math::Vec3;
-use row::{Row, at, minimum_jerk};
+use row::{Row, at};
 
 /// A hand whose fingers rest above keys of their own, in the white noise of a source.
 struct Hand {
@@ -16,7 +18,7 @@ struct Hand {
 }
 
 impl Hand {
-    /// Creates a hand that a source measures so many times a second.
+    /// Creates a hand; `rate` is in readings per second.
     fn new(is_struck: bool, noise: f32, rate: u64) -> Self {
         let mut row = Row::new(is_struck);
         row.period = 1_000_000 / rate;
@@ -29,12 +31,9 @@ impl Hand {
 
     /// Shows fingers at heights in millimetres for the next reading, and returns the measured heights.
     fn show(&mut self, heights: [f32; Finger::COUNT]) -> [f32; Finger::COUNT] {
-        let mut normal = || {
-            // The sum of twelve uniform numbers is nearly normal.
-            (0..12).map(|_| self.random.f32()).sum::<f32>() - 6.0
-        };
         let pads: [(Finger, Vec3); Finger::COUNT] = std::array::from_fn(|index| {
-            let shake = Vec3::new(normal(), normal(), normal()) * self.noise;
+            let mut coordinate = || normal(&mut self.random);
+            let shake = Vec3::new(coordinate(), coordinate(), coordinate()) * self.noise;
             let pad = at(index as u32, shake.x, heights[index] + shake.z);
             (Finger::ALL[index], pad + Vec3::Y * shake.y * 1e-3)
         });
@@ -74,7 +73,7 @@ impl Tap {
 
     /// The height at a time since the start.
     fn height(&self, ms: f32) -> f32 {
-        let part = |from: f32, time: f32| minimum_jerk(((ms - from) / time).clamp(0.0, 1.0));
+        let part = |from: f32, time: f32| minimum_jerk((ms - from) / time);
         self.rest + self.lift * part(0.0, 80.0)
             - (self.rest + self.lift + self.depth) * part(self.down_at(), 60.0)
             + (self.rest + self.depth) * part(self.end() - 60.0, 60.0)
@@ -163,7 +162,7 @@ fn a_finger_that_comes_down_to_its_rest_in_noise_presses_hardly_anything() {
                 let start = hand.row.time;
                 while hand.row.time < start + 900_000 {
                     let ms = (hand.row.time - start) as f32 * 1e-3;
-                    let part = |from: f32| minimum_jerk(((ms - from) / 80.0).clamp(0.0, 1.0));
+                    let part = |from: f32| minimum_jerk((ms - from) / 80.0);
                     // 15 mm above the keys, 1 mm, and up again.
                     let height = 15.0 - 14.0 * (part(200.0) - part(800.0));
                     hand.show([height; Finger::COUNT]);
@@ -189,7 +188,7 @@ fn a_finger_that_comes_from_above_presses_in_the_first_reading_at_the_press_dept
                 while hand.row.time < start + 500_000 && !is_deep {
                     let ms = (hand.row.time - start) as f32 * 1e-3;
                     let mut heights = [15.0; Finger::COUNT];
-                    heights[1] -= 20.0 * minimum_jerk(((ms - 300.0) / 80.0).clamp(0.0, 1.0));
+                    heights[1] -= 20.0 * minimum_jerk((ms - 300.0) / 80.0);
                     is_deep = hand.show(heights)[1] <= -2.0;
                     has_pressed |= hand.pressed().count() > 0;
                 }

@@ -1,13 +1,15 @@
 //! Keys that strokes press: by the way of a fingertip below the plane of the keys, not by the point at which it passes the plane.
 
+mod motion;
 mod row;
 
 use ademan_core::contact::Phase;
 use ademan_core::hand::{Finger, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::time::Timestamp;
+use motion::{minimum_jerk, normal};
 use parry3d::math::Vec3;
-use row::{RADIUS, Row, at, minimum_jerk};
+use row::{RADIUS, Row, at};
 
 impl Row {
     /// Moves fingers by minimum jerk from points to points in milliseconds.
@@ -64,7 +66,7 @@ fn a_finger_that_slips_under_pressure_presses_the_key_that_it_came_down_on() {
     for step in 0..=24 {
         let t = step as f32 / 12.0;
         let height = 15.0 - 24.0 * minimum_jerk(1.0 - (t - 1.0).abs());
-        let slip = 2.5 * minimum_jerk(((t - 0.6) / 0.4).clamp(0.0, 1.0));
+        let slip = 2.5 * minimum_jerk((t - 0.6) / 0.4);
         row.show(&[(Finger::Index, at(1, 8.0 + slip, height))], 0.0);
     }
     assert_eq!(row.pressed(), [(Finger::Index, 1)]);
@@ -162,7 +164,7 @@ fn a_chord_is_pressed_at_the_rates_of_cameras() {
             for step in 0..12 {
                 let ms = (step * period + late) as f32 * 1e-3 - 60.0;
                 // 50 ms down by 12 mm, and 50 ms up.
-                let part = minimum_jerk((1.0 - (ms - 50.0).abs() / 50.0).clamp(0.0, 1.0));
+                let part = minimum_jerk(1.0 - (ms - 50.0).abs() / 50.0);
                 row.time = step * period;
                 row.show(&ends(4.0 - 12.0 * part), 0.0);
             }
@@ -275,7 +277,7 @@ fn detection(is_struck: bool, scale: f32, noise: f32) -> (f32, f32) {
         let depth = 5.0 + 5.0 * random.f32();
         // 40 ms up by 5 mm, 60 ms down, 30 ms there, 60 ms up to where it rests.
         let height = |ms: f32| {
-            let part = |from: f32, time: f32| minimum_jerk(((ms - from) / time).clamp(0.0, 1.0));
+            let part = |from: f32, time: f32| minimum_jerk((ms - from) / time);
             5.0 * part(0.0, 40.0) - (6.0 + depth) * part(40.0, 60.0)
                 + (1.0 + depth) * part(130.0, 60.0)
         };
@@ -288,7 +290,7 @@ fn detection(is_struck: bool, scale: f32, noise: f32) -> (f32, f32) {
                 } else {
                     scale * SHARES[master][finger.index()] * height(ms - 15.0)
                 };
-                let mut shake = || noise * ((0..12).map(|_| random.f32()).sum::<f32>() - 6.0);
+                let mut shake = || noise * normal(&mut random);
                 let shake = Vec3::new(shake(), shake(), shake());
                 (finger, at(finger.index() as u32, 0.0, 1.0 + share) + shake)
             });

@@ -1,6 +1,8 @@
 //! Taps of a person with scatter, slips and a tracker that loses fingertips: the program may lose little beyond what
 //! the nearest key to each intended tap loses.
 
+mod motion;
+
 use ademan_core::contact::surface::{Scene, Shape};
 use ademan_core::contact::{ContactTracker, Phase, Presses, TargetId, Touch, Touches};
 use ademan_core::device::{
@@ -11,6 +13,7 @@ use ademan_core::hand::{Finger, Joint, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 use ademan_core::time::Timestamp;
+use motion::minimum_jerk;
 use parry3d::math::{Pose, Vec2, Vec3};
 
 const RADIUS: f32 = 0.006;
@@ -44,11 +47,6 @@ struct Errors {
     nearest: f32,
     /// Taps that pressed no key, another key, or more than one.
     program: f32,
-}
-
-fn minimum_jerk(t: f32) -> f32 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
 }
 
 struct Board {
@@ -125,8 +123,7 @@ struct Motion {
 
 impl Motion {
     fn normal(&mut self) -> f32 {
-        // The sum of twelve uniform numbers is nearly normal.
-        (0..12).map(|_| self.random.f32()).sum::<f32>() - 6.0
+        motion::normal(&mut self.random)
     }
 }
 

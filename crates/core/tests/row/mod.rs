@@ -87,11 +87,6 @@ impl Row {
     }
 }
 
-/// Returns the part of a movement of minimum jerk that is done at a part of its time.
-pub fn minimum_jerk(t: f32) -> f32 {
-    t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
-}
-
 /// Returns a point above or behind a key, in millimetres from its center.
 pub fn at(key: u32, x: f32, z: f32) -> Vec3 {
     Vec3::new(PITCH * key as f32 + x * 1e-3, 0.0, z * 1e-3)
