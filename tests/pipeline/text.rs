@@ -4,7 +4,7 @@ use std::path::Path;
 
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::command::{Command, CommandOrigin, TextMode};
-use ademan::device::{EventKind, Events};
+use ademan::device::Events;
 use ademan::document::Document;
 use ademan::layout::Layout;
 use ademan::pipeline::{CommandError, SourceRole};
@@ -62,8 +62,7 @@ pub fn play(
     while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         let mut events = Events::new();
         let _ = pipeline.step(&reading, &mut events);
-        let is_press = |kind| matches!(kind, EventKind::KeyDown(_) | EventKind::Character(_));
-        presses += events.iter().filter(|event| is_press(event.kind)).count();
+        presses += events.iter().filter(|event| event.kind.is_press()).count();
         each(presses, &mut pipeline, &mut events);
         for event in &events {
             field.handle(event);

@@ -365,11 +365,9 @@ impl Finder<'_> {
     fn on_boards(&self) -> Vec<Part> {
         let own = |part: &Part| match *part {
             Part::RowKey { board, row, .. } => Some(Part::Row { board, row }),
-            Part::RadioOption { board, radio, .. } => Some(Part::Control {
-                board,
-                kind: ControlKind::Radio,
-                index: radio,
-            }),
+            Part::RadioOption { board, radio, .. } => {
+                Some(Part::control(board, ControlKind::Radio, radio))
+            }
             Part::Control { .. } => Some(*part),
             _ => None,
         };

@@ -205,7 +205,7 @@ impl<'a> Session<'a> {
             self.field.handle(event);
             self.fixes += usize::from(event.kind == EventKind::KeyDown(KeyCode::BACKSPACE));
             self.fixed += usize::from(self.field.text().len() < length);
-            if matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_)) {
+            if event.kind.is_press() {
                 self.keystrokes += 1;
                 let first = self.span.map_or(event.time, |(first, _)| first);
                 self.span = Some((first, event.time));

@@ -25,11 +25,7 @@ fn edited(boards: &str, edit: &Edit) -> String {
 
 /// Returns a control of the first board.
 pub(crate) const fn control(kind: ControlKind, index: usize) -> Part {
-    Part::Control {
-        board: 0,
-        kind,
-        index,
-    }
+    Part::control(0, kind, index)
 }
 
 /// Returns a key of the first board that is not in a row.

@@ -41,10 +41,8 @@ pub(super) fn append(
         return false;
     };
     // Releases precede presses, so the release of a held Shift cannot follow a press of this step.
-    let is_pressed =
-        |event: &OutputEvent| matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_));
     let releases_first = matches!(kinds.first(), Some(EventKind::KeyUp(_)));
-    if releases_first && events.iter().any(is_pressed) {
+    if releases_first && events.iter().any(|event| event.kind.is_press()) {
         return false;
     }
     // The room that the release of everything takes.
@@ -64,7 +62,7 @@ pub(super) fn replaces_letter(events: &[OutputEvent]) -> bool {
     };
     press.kind == EventKind::KeyDown(KeyCode::BACKSPACE)
         && release.kind == EventKind::KeyUp(KeyCode::BACKSPACE)
-        && matches!(letter.kind, EventKind::KeyDown(_) | EventKind::Character(_))
+        && letter.kind.is_press()
         && [release.time, letter.time] == [press.time; 2]
 }
 

@@ -93,8 +93,7 @@ impl PracticeTask for StudyTask {
                 keystrokes,
                 backspaces,
             } => {
-                let is_down = matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_));
-                if is_down && !line.is_complete() {
+                if event.kind.is_press() && !line.is_complete() {
                     *keystrokes += 1;
                     *backspaces +=
                         usize::from(event.kind == EventKind::KeyDown(KeyCode::BACKSPACE));

@@ -154,8 +154,7 @@ impl<N: DeviceNode> Uinput<N> {
         match active.map(|(index, _)| index) {
             Some(index) => self.push_to(index, event),
             None => {
-                let is_lost = matches!(event, EventKind::KeyDown(_) | EventKind::Character(_));
-                self.dropped_presses += u64::from(is_lost);
+                self.dropped_presses += u64::from(event.is_press());
                 Ok(())
             }
         }
