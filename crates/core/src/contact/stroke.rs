@@ -30,7 +30,7 @@ const TURN_RISE: f32 = 0.0005;
 /// passes by moves further.
 const MAX_SLIP: f32 = 0.0095;
 
-/// The same distance for a thumb, which comes down in an arc toward the palm: the pitch of a keyboard. The arcs of simulated thumbs reach 18 mm.
+/// The same limit for a thumb, whose tip swings in an arc toward the palm: the pitch of a keyboard. Simulated thumbs slip by up to 18 mm.
 const THUMB_MAX_SLIP: f32 = 0.019;
 
 /// The speed along the board, in metres per second, below which a thumb turns: above it, the thumb may go down again on its arc.

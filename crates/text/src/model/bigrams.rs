@@ -9,7 +9,7 @@ use super::ModelError;
 use super::bytes::u32_at;
 use crate::logarithm::nats;
 
-/// The node of a row of words after a comma. No lexicon has so many nodes.
+/// The number for a comma in place of a node. No lexicon has that many nodes.
 pub const AFTER_COMMA: u32 = 0xff_fffe;
 /// The bytes of a row: node and weight in one number, then the index of the first entry.
 pub const ROW_BYTES: usize = 8;
