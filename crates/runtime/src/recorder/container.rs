@@ -191,6 +191,11 @@ impl<W: Write> Container<W> {
         self.out.flush()
     }
 
+    /// Returns the file.
+    pub fn into_inner(self) -> W {
+        self.out
+    }
+
     fn write_record(&mut self, opcode: u8, put: impl FnOnce(&mut Vec<u8>)) -> io::Result<()> {
         let mut record = std::mem::take(&mut self.record);
         record.clear();

@@ -9,7 +9,7 @@ mod container;
 mod messages;
 
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use crate::capture::Reading;
@@ -56,10 +56,46 @@ pub fn cannot_create(path: &Path, error: FileError) -> RecordError {
     }
 }
 
+/// Returns the error of a recording that cannot be written.
+fn write_error(path: &Path, reason: impl ToString) -> RecordError {
+    RecordError::Write {
+        path: path.to_owned(),
+        reason: reason.to_string(),
+    }
+}
+
+/// The reason why a recorder writes nothing more.
+const EARLIER_FAILURE: &str = "an earlier write failed";
+
+/// A recording whose last byte was handed to the operating system.
+pub(crate) struct CompleteFile {
+    path: PathBuf,
+    file: File,
+}
+
+impl CompleteFile {
+    pub fn new(path: PathBuf, file: File) -> Self {
+        Self { path, file }
+    }
+
+    /// Waits until the disk has the whole file. Returns the error of a write that was accepted and failed later: a quota, a disk on the
+    /// network and a failing disk show theirs only here.
+    pub fn sync(self) -> Result<(), RecordError> {
+        match self.file.sync_all() {
+            Err(error) => match error.kind() {
+                // A file system that cannot wait, which is no failure.
+                ErrorKind::Unsupported | ErrorKind::InvalidInput => Ok(()),
+                _ => Err(write_error(&self.path, error)),
+            },
+            Ok(()) => Ok(()),
+        }
+    }
+}
+
 /// A recording in progress.
 ///
 /// Steps are written in chunks of up to half a second. Dropping the recorder completes the file; [`finish`](Self::finish) also
-/// returns errors.
+/// waits for the disk and returns errors.
 pub struct Recorder {
     path: PathBuf,
     /// `None` after an error and at the end.
@@ -118,11 +154,21 @@ impl Recorder {
         self.change(Container::end_chunk)
     }
 
-    /// Completes the file.
-    pub fn finish(mut self) -> Result<(), RecordError> {
-        self.change(Container::finish)?;
-        self.container = None;
-        Ok(())
+    /// Completes the file and waits until it is on the disk.
+    pub fn finish(self) -> Result<(), RecordError> {
+        self.complete()?.sync()
+    }
+
+    /// Completes the file, of which the disk may lack a part.
+    pub(crate) fn complete(mut self) -> Result<CompleteFile, RecordError> {
+        let path = self.path.clone();
+        let Some(mut container) = self.container.take() else {
+            return Err(write_error(&path, EARLIER_FAILURE));
+        };
+        match container.finish() {
+            Ok(()) => Ok(CompleteFile::new(path, container.into_inner())),
+            Err(error) => Err(write_error(&path, error)),
+        }
     }
 
     fn add(&mut self, add: impl FnOnce(&mut Container<File>)) -> Result<(), RecordError> {
@@ -141,16 +187,12 @@ impl Recorder {
         &mut self,
         change: impl FnOnce(&mut Container<File>) -> io::Result<()>,
     ) -> Result<(), RecordError> {
-        let failed = |reason: String| RecordError::Write {
-            path: self.path.clone(),
-            reason,
-        };
         let Some(container) = &mut self.container else {
-            return Err(failed("an earlier write failed".into()));
+            return Err(write_error(&self.path, EARLIER_FAILURE));
         };
         change(container).map_err(|error| {
             self.container = None;
-            failed(error.to_string())
+            write_error(&self.path, error)
         })
     }
 }
@@ -227,4 +269,26 @@ fn start(file: File, setup: &RecordedSetup) -> io::Result<(Container<File>, Chan
         commands: channel(COMMANDS_TOPIC, "ademan.Command")?,
     };
     Ok((container, channels))
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use std::os::unix::fs::OpenOptionsExt;
+
+    use super::*;
+
+    #[test]
+    fn a_file_that_the_disk_does_not_take_is_incomplete() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("hand.mcap");
+        let recorder = Recorder::create(&path, &RecordedSetup::default()).unwrap();
+        let written = recorder.complete().unwrap();
+        assert!(written.sync().is_ok());
+        // Opened only as a path, a file can be neither written nor awaited.
+        let mut options = fs::OpenOptions::new();
+        let flags = rustix::fs::OFlags::PATH.bits() as i32;
+        let file = options.read(true).custom_flags(flags).open(&path).unwrap();
+        let error = CompleteFile::new(path, file).sync().unwrap_err();
+        assert!(error.to_string().contains("is incomplete: "), "{error}");
+    }
 }

@@ -1,6 +1,7 @@
 //! The files that a session records to: all results of each step, and the poses for animation programs.
 
 use std::fs;
+use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -13,7 +14,7 @@ use super::write_failures::WriteFailures;
 use super::writer_thread::{QueuedSteps, WriterThread};
 use crate::capture::recording::RecordedSetup;
 use crate::files;
-use crate::recorder::{RecordError, Recorder, cannot_create};
+use crate::recorder::{CompleteFile, RecordError, Recorder, cannot_create};
 use crate::trace::bvh::{self, PoseOptions};
 use ademan_core::kinematics::HandPose;
 use ademan_core::pipeline::Pipeline;
@@ -111,7 +112,10 @@ impl Recordings {
                 match steps.next_within(timeout) {
                     Ok(step) => recorder.write(&step)?,
                     Err(RecvTimeoutError::Timeout) => recorder.flush()?,
-                    Err(RecvTimeoutError::Disconnected) => return recorder.finish(),
+                    Err(RecvTimeoutError::Disconnected) => {
+                        let file = recorder.complete()?;
+                        return Ok(move || file.sync());
+                    }
                 }
             }
         };
@@ -125,11 +129,14 @@ impl Recordings {
         let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
         let owned = path.to_owned();
         let write = move |poses: QueuedSteps<HandPose>| {
-            let written = bvh::write_file(poses, file, PoseOptions::new(BVH_RATE_HZ));
-            written.map(drop).map_err(|error| RecordError::Write {
-                path: owned,
+            let failed = |error: io::Error| RecordError::Write {
+                path: owned.clone(),
                 reason: error.to_string(),
-            })
+            };
+            let synced = file.try_clone().map_err(failed)?;
+            bvh::write_file(poses, file, PoseOptions::new(BVH_RATE_HZ)).map_err(failed)?;
+            let complete = CompleteFile::new(owned, synced);
+            Ok(move || complete.sync())
         };
         let failures = self.failures.clone();
         self.poses = Some(WriterThread::start(path, is_lossless, failures, write)?);

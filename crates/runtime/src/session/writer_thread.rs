@@ -16,7 +16,7 @@ use crate::recorder::RecordError;
 /// Steps that wait for the disk: more than 1 s at 175 readings per second.
 const QUEUE_LENGTH: usize = 256;
 
-/// Longest time at the end in which the disk accepts nothing.
+/// Longest time at the end in which the disk accepts nothing, and longest wait for it after it has accepted everything.
 const DISK_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Writes a `T` of every step to a file.
@@ -28,6 +28,8 @@ pub(super) struct WriterThread<T> {
     ended: Receiver<()>,
     /// Steps that were written.
     written: Arc<AtomicU64>,
+    /// `true` once the system has the whole file, and the writer waits for the disk.
+    is_complete: Arc<AtomicBool>,
     is_lossless: bool,
     missed: u64,
     /// `true` once the session waits for the end of the writer, and returns its error.
@@ -69,12 +71,13 @@ impl<T> QueuedSteps<T> {
 
 impl<T: Send + 'static> WriterThread<T> {
     /// Starts to write to a new file. If the disk is slow, a lossless writer delays the session loop, which no output with an
-    /// effect allows; any other writer drops steps and counts them. The first step that is dropped is reported to `failures`.
-    pub fn start(
+    /// effect allows; any other writer drops steps and counts them. The first step that is dropped is reported to `failures`. `write`
+    /// writes all steps and returns a function that waits until the disk has them.
+    pub fn start<S: FnOnce() -> Result<(), RecordError>>(
         path: &Path,
         is_lossless: bool,
         failures: WriteFailures,
-        write: impl FnOnce(QueuedSteps<T>) -> Result<(), RecordError> + Send + 'static,
+        write: impl FnOnce(QueuedSteps<T>) -> Result<S, RecordError> + Send + 'static,
     ) -> Result<Self, RecordError> {
         let (queue, receiver) = bounded(QUEUE_LENGTH);
         let (end, ended) = bounded::<()>(0);
@@ -85,14 +88,18 @@ impl<T: Send + 'static> WriterThread<T> {
             is_first: true,
         };
         let is_finishing = Arc::new(AtomicBool::new(false));
+        let is_complete = Arc::new(AtomicBool::new(false));
         let (is_end, reports) = (is_finishing.clone(), failures.clone());
+        let completed = is_complete.clone();
         let write = move || {
             let _end = end;
-            write(steps).inspect_err(|error| {
+            let sync = write(steps).inspect_err(|error| {
                 if !is_end.load(Ordering::Relaxed) {
                     reports.report(error.to_string());
                 }
-            })
+            })?;
+            completed.store(true, Ordering::Relaxed);
+            sync()
         };
         let writer = thread::Builder::new().name("recorder".into()).spawn(write);
         Ok(Self {
@@ -108,6 +115,7 @@ impl<T: Send + 'static> WriterThread<T> {
             })?,
             ended,
             written,
+            is_complete,
             is_lossless,
             missed: 0,
             is_finishing,
@@ -140,7 +148,8 @@ impl<T: Send + 'static> WriterThread<T> {
         }
     }
 
-    /// Waits until everything is written. A disk that accepts nothing for 2 s is given up.
+    /// Waits until everything is on the disk. A disk that accepts nothing for 2 s is given up. One that has accepted everything is not
+    /// waited for after 2 s: the system goes on to write.
     pub fn finish(self) -> Result<(), RecordError> {
         self.is_finishing.store(true, Ordering::Relaxed);
         let Self {
@@ -149,19 +158,33 @@ impl<T: Send + 'static> WriterThread<T> {
             writer,
             ended,
             written,
+            is_complete,
             missed,
             ..
         } = self;
         drop(queue);
         let stopped = |reason: String| RecordError::Write { path, reason };
-        let written = || written.load(Ordering::Relaxed);
-        let mut before = written();
-        while ended.recv_timeout(DISK_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
-            if std::mem::replace(&mut before, written()) == written() {
+        // The steps that were written, and `true` at the end of the file.
+        let progress = || {
+            let is_whole = is_complete.load(Ordering::Relaxed);
+            (written.load(Ordering::Relaxed), is_whole)
+        };
+        let mut before = progress();
+        let ending = loop {
+            if ended.recv_timeout(DISK_TIMEOUT) != Err(RecvTimeoutError::Timeout) {
+                break writer.join();
+            }
+            let now = progress();
+            if std::mem::replace(&mut before, now) != now {
+                continue;
+            }
+            let (_, is_whole) = now;
+            if !is_whole {
                 return Err(stopped("the disk does not respond".into()));
             }
-        }
-        match writer.join() {
+            break Ok(Ok(()));
+        };
+        match ending {
             Err(_) => Err(stopped("the recorder thread panicked".into())),
             Ok(Err(error)) => Err(error),
             Ok(Ok(())) if missed > 0 => Err(stopped(format!(
@@ -169,5 +192,50 @@ impl<T: Send + 'static> WriterThread<T> {
             ))),
             Ok(Ok(())) => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns what a session reports at the end of a file whose disk is awaited by `sync`.
+    fn finish(
+        sync: impl FnOnce() -> Result<(), RecordError> + Send + 'static,
+    ) -> Result<(), RecordError> {
+        let write = move |steps: QueuedSteps<u8>| {
+            steps.for_each(drop);
+            Ok(sync)
+        };
+        let path = Path::new("hand.mcap");
+        let writer = WriterThread::start(path, false, WriteFailures::default(), write);
+        let mut writer = writer.unwrap();
+        writer.push(1);
+        writer.finish()
+    }
+
+    #[test]
+    fn a_disk_that_fails_after_the_last_write_is_reported() {
+        let error = finish(|| {
+            Err(RecordError::Write {
+                path: "hand.mcap".into(),
+                reason: "Disk quota exceeded".into(),
+            })
+        });
+        assert_eq!(
+            error.unwrap_err().to_string(),
+            "the recording hand.mcap is incomplete: Disk quota exceeded"
+        );
+    }
+
+    #[test]
+    fn a_whole_file_is_complete_although_the_disk_needs_longer() {
+        let (answer, awaited) = bounded::<()>(0);
+        let finished = finish(move || {
+            let _ = awaited.recv();
+            Ok(())
+        });
+        assert!(finished.is_ok(), "{finished:?}");
+        drop(answer);
     }
 }
