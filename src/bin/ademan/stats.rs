@@ -34,10 +34,12 @@ pub fn check_cut(stats: &Stats) -> Result<(), Failure> {
     }
 }
 
-/// Returns `true` if the session was late, so that keys of a hand may be missing: it or its output has stalled, or readings or
-/// keystrokes were dropped.
-pub fn may_miss_keys(stats: &Stats) -> bool {
-    stats.stalls + stats.output_stalls + stats.source.dropped + stats.dropped_presses > 0
+/// Returns the warning of a session that was late, so that keys of a hand may be missing: it or its output has stalled, or readings or
+/// keystrokes were dropped. A program that was stopped by Ctrl-Z is late, too.
+pub fn missing_keys(stats: &Stats) -> Option<&'static str> {
+    let lost = stats.stalls + stats.output_stalls + stats.source.dropped + stats.dropped_presses;
+    (lost > 0)
+        .then_some("keys may be missing: this machine was too busy, or the program was stopped")
 }
 
 /// Returns a line of received, accepted, rejected and dropped readings, losses, stalls of the session and its output, keystrokes that were
@@ -122,19 +124,21 @@ mod tests {
             ..Stats::default()
         };
         stats.source.readings = 3;
-        assert!(!may_miss_keys(&stats));
+        assert_eq!(missing_keys(&stats), None);
+        let warning =
+            Some("keys may be missing: this machine was too busy, or the program was stopped");
         stats.stalls = 2;
         assert_eq!(line(&stats), "3 readings: 3 accepted; stalled 2 times");
-        assert!(may_miss_keys(&stats));
+        assert_eq!(missing_keys(&stats), warning);
         (stats.stalls, stats.output_stalls) = (0, 1);
         assert_eq!(
             line(&stats),
             "3 readings: 3 accepted; the output stalled 1 time"
         );
-        assert!(may_miss_keys(&stats));
+        assert_eq!(missing_keys(&stats), warning);
         stats.output_stalls = 0;
         stats.source.dropped = 1;
-        assert!(may_miss_keys(&stats));
+        assert_eq!(missing_keys(&stats), warning);
     }
 
     #[test]

@@ -200,10 +200,10 @@ fn finish(
         None => write_row(&mut out, "readings   ", &stats::line(&summary.stats))?,
     }
     // At an interruption the readings that wait count as dropped.
-    if !playback.is_cancelled && stats::may_miss_keys(&summary.stats) {
-        complain!(
-            "warning: this machine was too busy for the hand, and keys may be missing: see `readings`"
-        );
+    if !playback.is_cancelled
+        && let Some(warning) = stats::missing_keys(&summary.stats)
+    {
+        complain!("warning: {warning}; see `readings`");
     }
     if task.is_done(playback) || (playback.is_cancelled && args.repeat) {
         Ok(())
