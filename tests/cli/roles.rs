@@ -8,13 +8,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 
-use crate::run_in;
 use crate::support::binary::ademan;
+use crate::support::free_address::free_address;
 use crate::support::press::postures;
 use crate::support::process::Process;
 use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, start_with_lines};
 use crate::support::wearer::shipped_setup;
 use crate::support::x11;
+use crate::{run, run_in};
 use ademan::capture::Hc11Format;
 use ademan::capture::hc11::{Framing, encode};
 use ademan::session::control_socket::Client;
@@ -171,6 +172,21 @@ fn a_source_of_another_machine_that_types_without_a_credential_is_reported() {
     let words = "presses keys and has neither password nor encryption: anyone who answers there, or can change what the network carries, can type here; use `tcp+tls:`, or a network of your own";
     let message = std::iter::repeat_with(next).find(|line| line.ends_with(words));
     assert!(message.is_some_and(|line| line.starts_with(source)));
+}
+
+#[test]
+fn a_session_that_types_nothing_warns_of_no_machine_that_types() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recording = folder.path().join("hand.mcap");
+    let shared = format!("json:{}", free_address());
+    let record = ["record", recording.to_str().expect("a path")];
+    // Not the loopback address, although Linux connects to this machine.
+    let source = ["--source", "tcp:0.0.0.0:1", "--role", "both"];
+    for session in [record, ["share", &shared]] {
+        let ended = run([&session[..], &source].concat());
+        ended.reported("cannot open tcp:0.0.0.0:1");
+        assert!(!ended.err.contains("can type"), "{}", ended.err);
+    }
 }
 
 /// Plays the script `tap pause` on the layout `switches` again and again, and counts how often it has ended.

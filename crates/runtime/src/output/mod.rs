@@ -45,8 +45,8 @@ mod watchdog_process;
 pub use desktop::{Desktop, SUPPORTS_WAYLAND};
 pub use desktop_part::DesktopPart;
 pub use open::{
-    available, check, check_layout_change, check_presence, has_effect, keeps_order, open,
-    open_for_session, transcript_files, uses_backend, uses_stdout,
+    available, check, check_layout_change, check_presence, discards_all, has_effect, keeps_order,
+    open, open_for_session, transcript_files, uses_backend, uses_stdout,
 };
 pub use router::Router;
 pub use text_field::{FieldKind, TextField};

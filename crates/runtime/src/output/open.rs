@@ -151,6 +151,11 @@ pub fn has_effect(names: &str) -> bool {
     parse(names).map_or(true, |outputs| outputs.iter().any(is_effective))
 }
 
+/// Returns `true` if no output does anything with an event: each is [`none`](super::BACKENDS).
+pub fn discards_all(names: &str) -> bool {
+    parse(names).is_ok_and(|outputs| outputs.iter().all(|it| it.backend == &null::BACKEND))
+}
+
 /// Returns `true` if one of the outputs writes to the standard output.
 pub fn uses_stdout(names: &str) -> bool {
     uses_backend(names, transcript::BACKEND.name)
@@ -340,6 +345,20 @@ mod tests {
         ];
         for required in six_axes {
             assert_eq!(message("spacenav", required), None, "{required}");
+        }
+    }
+
+    #[test]
+    fn only_the_output_none_discards_everything() {
+        for (names, discards) in [
+            ("none", true),
+            ("none,none", true),
+            ("none,transcript", false),
+            ("transcript:log.txt", false),
+            ("desktop", false),
+            ("unknown", false),
+        ] {
+            assert_eq!(discards_all(names), discards, "{names}");
         }
     }
 

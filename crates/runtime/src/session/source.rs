@@ -10,6 +10,7 @@ use super::Session;
 use super::notice::Notice;
 use crate::capture::{BackOff, CaptureError, PacedSource, Source, SourceUri, StreamUri};
 use crate::network::parse_loopback;
+use crate::output;
 use crate::setup::SetupError;
 use ademan_core::pipeline::SourceRole;
 
@@ -18,7 +19,8 @@ const STOP_INTERVAL: Duration = Duration::from_millis(50);
 
 impl Session {
     /// If a layout has keys, reports the sources that may not press them, as the default for sources on the network surprises users, and
-    /// the sources that let another machine press them without a credential.
+    /// the sources that let another machine press them without a credential. A session that discards all events, as `record` and `share`
+    /// do, lets no machine type.
     pub(super) fn report_source_roles(&self) {
         if !self.setup.required_capabilities().include_typing() {
             return;
@@ -33,9 +35,17 @@ impl Session {
                     source: uri.clone(),
                     remedy: source.way_to_type(has_control_socket),
                 });
-            } else if is_unprotected(uri) {
+            } else if is_unprotected(uri) && !self.discards_events() {
                 self.report_status(Notice::Unprotected(uri.clone()));
             }
+        }
+    }
+
+    /// Returns `true` if no output types or logs an event.
+    fn discards_events(&self) -> bool {
+        match &self.options.output {
+            Some(sink) => !sink.has_effect() && !sink.is_log(),
+            None => output::discards_all(&self.setup.setup.output),
         }
     }
 
