@@ -38,7 +38,7 @@ fn sink() -> (Midi, Written) {
     let log = Arc::clone(&written);
     let writer = move |message: &[u8]| {
         log.lock().unwrap().push(message.to_vec());
-        Ok(())
+        Ok(message.len())
     };
     let mut sink = Midi::start(Box::new(writer)).unwrap();
     sink.set_signals(&signals());
@@ -171,7 +171,7 @@ fn failing_sink() -> (Midi, Written) {
             return Err(io::Error::from(io::ErrorKind::OutOfMemory));
         }
         log.lock().unwrap().push(message.to_vec());
-        Ok(())
+        Ok(message.len())
     };
     let mut sink = Midi::start(Box::new(writer)).unwrap();
     sink.set_signals(&signals());
@@ -245,7 +245,7 @@ fn waiting_device() -> (Midi, crossbeam_channel::Sender<()>, Written) {
     let writer = move |message: &[u8]| {
         let _ = opened.recv();
         log.lock().unwrap().push(message.to_vec());
-        Ok(())
+        Ok(message.len())
     };
     let mut sink = Midi::start(Box::new(writer)).unwrap();
     sink.set_signals(&signals());
@@ -305,6 +305,34 @@ fn a_device_that_is_gone_is_reported() {
         error.to_string(),
         "the output `midi` failed: the device does not accept messages any more"
     );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_device_that_accepts_nothing_is_given_up_and_closed_at_the_end() {
+    use rustix::event::{PollFd, PollFlags, Timespec, poll};
+    use rustix::fs::{CWD, Mode, OFlags, mkfifoat};
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pipe");
+    mkfifoat(CWD, &path, Mode::RUSR | Mode::WUSR).unwrap();
+    let open = |flags| rustix::fs::open(&path, flags | OFlags::NONBLOCK, Mode::empty());
+    let reader = open(OFlags::RDONLY).unwrap();
+    let name = format!("midi:{}", path.display());
+    let mut sink = crate::output::open(&name, &Capabilities::default()).unwrap();
+    sink.set_signals(&signals());
+    let filler = open(OFlags::WRONLY).unwrap();
+    while rustix::io::write(&filler, &[0; 512]).is_ok() {}
+    drop(filler);
+    sink.send(&[event(1, Velocity(C4, 1.0))]).unwrap();
+    let error = sink.close().unwrap_err().to_string();
+    assert!(error.contains("did not end within 1 s"), "{error}");
+    wait_until("the end of the last writer", || {
+        let mut polled = [PollFd::new(&reader, PollFlags::IN)];
+        poll(&mut polled, Some(&Timespec::default())).unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        polled[0].revents().contains(PollFlags::HUP)
+    });
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! The thread that writes messages.
 
-use std::io;
+use std::io::{self, ErrorKind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -10,8 +10,16 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, bounded};
 
 use super::notes::{ALL_NOTES_OFF, CONTROL, Message};
 
-/// A function that writes one message to a port or device.
-pub(super) type Writer = Box<dyn FnMut(&[u8]) -> io::Result<()> + Send>;
+/// A function that writes a message, or the first part of it, to a port or device. Returns the number of bytes that were written;
+/// [`WouldBlock`](ErrorKind::WouldBlock) if the device has no room.
+pub(super) type Writer = Box<dyn FnMut(&[u8]) -> io::Result<usize> + Send>;
+
+/// Time between two tries to write to a full device.
+const RETRY_DELAY: Duration = Duration::from_millis(2);
+
+/// Tries to write to a full device after the session has ended, without waiting for it: 5 s, in which a receiver that was stopped for a
+/// moment still gets the ends of its notes.
+const LAST_TRIES: u32 = 2500;
 
 /// The message that shows a receiver that the sender lives. After it, a silence of 300 ms ends all notes.
 const ACTIVE_SENSING: [u8; 1] = [0xfe];
@@ -31,6 +39,8 @@ pub(super) struct MidiThread {
     ended: Receiver<()>,
     /// Number of steps of the loop.
     steps: Arc<AtomicU64>,
+    /// `true` once the session has ended without waiting longer for the thread.
+    is_abandoned: Arc<AtomicBool>,
 }
 
 impl MidiThread {
@@ -38,8 +48,11 @@ impl MidiThread {
     pub fn start(writer: Writer, queue: Receiver<Message>) -> io::Result<Self> {
         let (end, ended) = bounded::<()>(0);
         let steps = Arc::new(AtomicU64::new(0));
+        let is_abandoned = Arc::new(AtomicBool::new(false));
         let port = Port {
             writer,
+            is_abandoned: Arc::clone(&is_abandoned),
+            last_tries: LAST_TRIES,
             notes: [0; CHANNELS],
             is_sensed: false,
         };
@@ -55,6 +68,7 @@ impl MidiThread {
             handle: Some(handle),
             ended,
             steps,
+            is_abandoned,
         })
     }
 
@@ -63,21 +77,26 @@ impl MidiThread {
         self.steps.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Waits for the end, after the queue was closed.
+    /// Waits for the end, after the queue was closed. A device that has not accepted everything within 1 s has 5 s more, for which
+    /// this function does not wait. A second call has no effect.
     pub fn join(&mut self) -> Result<(), String> {
+        let Some(handle) = self.handle.take() else {
+            return Ok(());
+        };
         if self.ended.recv_timeout(CLOSE_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
-            return Err("it did not end within 1 s".into());
+            self.is_abandoned.store(true, Ordering::Relaxed);
+            return Err("it did not end within 1 s, and notes may sound on".into());
         }
-        match self.handle.take().map(JoinHandle::join) {
-            Some(Err(_)) => Err("its thread panicked".into()),
-            _ => Ok(()),
-        }
+        handle.join().map_err(|_| "its thread panicked".into())
     }
 }
 
 /// The port or device, and what sounds there.
 struct Port {
     writer: Writer,
+    is_abandoned: Arc<AtomicBool>,
+    /// The tries that are left after the session has ended.
+    last_tries: u32,
     /// The notes of each channel that sound, as bits.
     notes: [u128; CHANNELS],
     /// `true` if Active Sensing was sent, as it is before the first note.
@@ -89,7 +108,10 @@ impl Port {
         let written = self.write_messages(queue, steps);
         // A device that does not accept this either is gone, and so are its notes.
         let _ = self.end_notes();
-        if let Err(error) = written {
+        // The end of the session has reported a device that accepts nothing.
+        if let Err(error) = written
+            && !self.is_abandoned.load(Ordering::Relaxed)
+        {
             tracing::error!("the output `midi` failed: {error}");
         }
     }
@@ -122,10 +144,10 @@ impl Port {
             self.notes[channel] |= 1 << note;
             // The process may be killed before the first silence.
             if !std::mem::replace(&mut self.is_sensed, true) {
-                (self.writer)(&ACTIVE_SENSING)?;
+                self.send(&ACTIVE_SENSING)?;
             }
         }
-        (self.writer)(&message)?;
+        self.send(&message)?;
         if status & 0xf0 == 0x80 {
             self.notes[channel] &= !(1 << note);
         }
@@ -136,10 +158,35 @@ impl Port {
     /// end of the sender, and cuts off what still fades.
     fn show_life(&mut self) -> io::Result<()> {
         if self.is_sensed {
-            (self.writer)(&ACTIVE_SENSING)
+            self.send(&ACTIVE_SENSING)
         } else {
             Ok(())
         }
+    }
+
+    /// Writes the bytes. Waits for a full device, after the end of the session for 5 s at most.
+    fn send(&mut self, mut bytes: &[u8]) -> io::Result<()> {
+        while !bytes.is_empty() {
+            match (self.writer)(bytes) {
+                Ok(0) => return Err(ErrorKind::WriteZero.into()),
+                Ok(written) => bytes = &bytes[written..],
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == ErrorKind::WouldBlock && self.may_retry() => {
+                    thread::sleep(RETRY_DELAY);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns `true` unless the session has ended and the last try was made.
+    fn may_retry(&mut self) -> bool {
+        if !self.is_abandoned.load(Ordering::Relaxed) {
+            return true;
+        }
+        self.last_tries = self.last_tries.saturating_sub(1);
+        self.last_tries > 0
     }
 
     /// Ends the notes that sound: each of them, and all of their channels for receivers that have missed the beginning.
@@ -147,10 +194,10 @@ impl Port {
         for channel in 0..CHANNELS {
             let notes = self.notes[channel];
             for note in (0..128).filter(|note| notes & (1 << note) != 0) {
-                (self.writer)(&[0x80 | channel as u8, note, 64])?;
+                self.send(&[0x80 | channel as u8, note, 64])?;
             }
             if notes != 0 {
-                (self.writer)(&[CONTROL | channel as u8, ALL_NOTES_OFF, 0])?;
+                self.send(&[CONTROL | channel as u8, ALL_NOTES_OFF, 0])?;
             }
             self.notes[channel] = 0;
         }

@@ -24,6 +24,7 @@ pub fn open() -> Result<Writer, String> {
         .map_err(|error| cannot(&error))?;
     tracing::info!("the MIDI port is {NAME}: `aconnect -l` lists it");
     Ok(Box::new(move |message| {
-        port.send(message).map_err(io::Error::other)
+        port.send(message).map_err(io::Error::other)?;
+        Ok(message.len())
     }))
 }

@@ -2,20 +2,14 @@
 
 use std::fmt::Display;
 use std::io;
-use std::os::fd::OwnedFd;
 use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
-use std::thread;
-use std::time::Duration;
 
 use rustix::fs::{Access, FileType, Mode, OFlags};
 use rustix::io::Errno;
 
 use crate::output::midi::thread::Writer;
 use ademan_core::message::escape_path;
-
-/// Time between two tries to write to a full device.
-const RETRY_DELAY: Duration = Duration::from_millis(2);
 
 /// The reason why other files are refused.
 const NO_DEVICE: &str = "it is neither a device nor a pipe";
@@ -38,7 +32,9 @@ pub fn open(path: &Path) -> Result<Writer, String> {
         FileType::CharacterDevice | FileType::Fifo => {}
         _ => return Err(cannot_open(path, &NO_DEVICE)),
     }
-    Ok(Box::new(move |message| write_all(&device, message)))
+    Ok(Box::new(move |bytes| {
+        Ok(rustix::io::write(&device, bytes)?)
+    }))
 }
 
 /// Checks that there is a device or pipe that may be written, without opening it.
@@ -62,16 +58,4 @@ fn cannot_open(path: &Path, reason: &dyn Display) -> String {
 
 fn is_pipe(path: &Path) -> bool {
     path.metadata().is_ok_and(|it| it.file_type().is_fifo())
-}
-
-fn write_all(device: &OwnedFd, mut bytes: &[u8]) -> io::Result<()> {
-    while !bytes.is_empty() {
-        match rustix::io::write(device, bytes) {
-            Ok(written) => bytes = &bytes[written..],
-            Err(Errno::AGAIN) => thread::sleep(RETRY_DELAY),
-            Err(Errno::INTR) => {}
-            Err(error) => return Err(error.into()),
-        }
-    }
-    Ok(())
 }
