@@ -65,7 +65,7 @@ pub use cancel::CancelToken;
 pub use event::CaptureEvent;
 pub use headset_list::{ConnectedHeadset, Headset, HeadsetList, HeadsetStatus};
 pub use merge::{MAX_SOURCES, MergedSource, PartialSource};
-pub use pace::PacedSource;
+pub use pace::{MAX_SILENCE, PacedSource};
 pub use poll::Readiness;
 pub use sides::SidedSource;
 pub use thread::{CaptureThread, spawn, spawn_batched};

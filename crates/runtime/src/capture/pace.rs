@@ -2,19 +2,28 @@
 
 use std::time::{Duration, Instant};
 
-use super::{CaptureError, MAX_BLOCK, Reading, Source, SourceEvent, SourceStats};
+use super::{CaptureError, Reading, Source, SourceEvent, SourceStats};
 use ademan_core::time::Timestamp;
 
 /// Longest wait for one reading. Longer gaps are shortened to it.
 pub const MAX_GAP: Duration = Duration::from_secs(2);
+
+/// Longest time in which a source that is not live, and whose keys are pressed, may neither return a reading nor state the time. A longer
+/// silence means that the disk of a recording hangs, or that a busy machine has not run the thread of the source: then a session releases
+/// everything.
+///
+/// With the 150 ms for which a person holds a key, the release comes before a desktop repeats the key: GNOME after 500 ms, sway
+/// after 600 ms, an X server after 660 ms. A live source has the shorter stall timeout.
+pub const MAX_SILENCE: Duration = Duration::from_millis(300);
 
 /// Longest sleep per call, and so the delay with which a gap in the readings is detected.
 const MAX_SLEEP: Duration = Duration::from_millis(10);
 
 /// A source that is not live, whose readings are returned at the pace of their timestamps.
 ///
-/// A slow consumer does not shift the schedule unless it is late by more than [`MAX_BLOCK`]. The schedule then starts
-/// over, so that the late readings do not come in a burst.
+/// A delay does not shift the schedule unless it is longer than [`MAX_SILENCE`]. The schedule then starts over, so that the late readings do
+/// not come in a burst. Shorter delays are caught up with: if several of them shifted the schedule while a key is pressed, the key would be
+/// held for the sum of them, and the desktop would repeat it.
 pub struct PacedSource<S> {
     source: S,
     speed: f64,
@@ -44,9 +53,8 @@ impl<S: Source> PacedSource<S> {
         }
     }
 
-    /// Returns the time at which a reading with timestamp `time` is due.
-    fn schedule(&mut self, time: Timestamp) -> Instant {
-        let now = Instant::now();
+    /// Returns the time at which a reading with timestamp `time`, which the source returns `now`, is due.
+    fn schedule(&mut self, time: Timestamp, now: Instant) -> Instant {
         let due = match self.last {
             Some((previous, due)) => {
                 let gap = time.since(previous).div_f64(self.speed);
@@ -54,7 +62,7 @@ impl<S: Source> PacedSource<S> {
             }
             None => now,
         };
-        let is_far_behind = now.saturating_duration_since(due) > MAX_BLOCK;
+        let is_far_behind = now.saturating_duration_since(due) > MAX_SILENCE;
         let due = if is_far_behind { now } else { due };
         self.last = Some((time, due));
         due
@@ -68,7 +76,7 @@ impl<S: Source> Source for PacedSource<S> {
             None => match self.source.next()? {
                 SourceEvent::Reading(reading) => Pending {
                     previous: self.last,
-                    due: self.schedule(reading.time),
+                    due: self.schedule(reading.time, Instant::now()),
                     reading,
                 },
                 idle_or_end => return Ok(idle_or_end),
@@ -213,10 +221,28 @@ mod tests {
     }
 
     #[test]
+    fn silences_in_which_nothing_is_released_do_not_add_up() {
+        let mut paced = PacedSource::new(TimedSource(Vec::new()), 1.0);
+        let (start, ms) = (Instant::now(), Duration::from_millis);
+        let mut due = |time_ms: u64, now_ms: u64| {
+            let due = paced.schedule(Timestamp(time_ms * 1000), start + ms(now_ms));
+            due.saturating_duration_since(start)
+        };
+        assert_eq!(due(0, 0), Duration::ZERO);
+        // The thread of the source is not run for 290 ms, twice.
+        assert_eq!(due(10, 290), ms(10));
+        assert_eq!(due(290, 290), ms(290));
+        assert_eq!(due(300, 580), ms(300));
+        // In a longer silence the session releases everything.
+        assert_eq!(due(310, 611), ms(611));
+        assert_eq!(due(320, 611), ms(621));
+    }
+
+    #[test]
     fn a_late_consumer_gets_no_burst() {
         let mut paced = PacedSource::new(TimedSource(vec![0, 10, 20, 100]), 1.0);
         paced.next().unwrap();
-        std::thread::sleep(MAX_BLOCK * 2);
+        std::thread::sleep(MAX_SILENCE * 2);
         let start = Instant::now();
         paced.next().unwrap();
         paced.next().unwrap();

@@ -3,16 +3,9 @@
 use std::time::{Duration, Instant};
 
 use super::SessionLoop;
+use crate::capture::MAX_SILENCE;
 use crate::session::SessionError;
 use ademan_core::time::NO_DEADLINE;
-
-/// Longest time in which a source that is not live, and whose keys are pressed, may neither return a reading nor state the time, also
-/// while the loop waits for the layout manager. A longer silence means that the disk of a recording hangs, or that a busy machine has
-/// not run the thread of the source.
-///
-/// With the 150 ms for which a person holds a key, the release comes before a desktop repeats the key: GNOME after 500 ms, sway
-/// after 600 ms, an X server after 660 ms. A live source has the shorter stall timeout.
-const MAX_SILENCE: Duration = Duration::from_millis(300);
 
 /// Longest time without a call of the output while readings are expected. The thread of an output, or the watchdog, releases all
 /// keys after some 200 ms without one.
