@@ -174,13 +174,21 @@ pub fn no_display(display: Option<&str>) -> Advice {
 /// Returns the advice for an X server that refuses the connection; `None` for one that does not answer.
 #[cfg(target_os = "linux")]
 pub(crate) fn refused_by_display(error: &x11rb::errors::ConnectError) -> Option<Advice> {
+    Some(refused_display(&refusal_of_display(error)?))
+}
+
+/// Returns the reason that an X server states for its refusal; `None` for one that does not answer.
+#[cfg(target_os = "linux")]
+pub(crate) fn refusal_of_display(error: &x11rb::errors::ConnectError) -> Option<String> {
     use x11rb::errors::ConnectError::{SetupAuthenticate, SetupFailed};
     let bytes = match error {
         SetupFailed(refusal) => &refusal.reason,
+        // Its length is not stated, so that the bytes up to whole words belong to it.
         SetupAuthenticate(refusal) => &refusal.reason,
         _ => return None,
     };
-    Some(refused_display(&String::from_utf8_lossy(bytes)))
+    let reason = String::from_utf8_lossy(bytes);
+    Some(reason.trim_end_matches('\0').to_owned())
 }
 
 /// Returns the advice for an X server that refuses the connection for this reason.

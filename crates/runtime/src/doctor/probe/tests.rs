@@ -200,11 +200,16 @@ fn a_display_is_reachable_if_a_server_accepts_connections() {
         reply.resize(8 + 4 * usize::from(words), 0);
         reply
     };
+    // A server without a screen, a format and a name.
+    let lengths = [11_u16, 0, 8].map(u16::to_ne_bytes).concat();
+    let accepted = [&[1, 0][..], lengths.as_slice(), &[0; 32]].concat();
     let replies = [
-        vec![1, 0, 11, 0, 0, 0, 0, 0],
-        vec![1, 0, 11, 0, 0, 0, 0, 0],
+        accepted.clone(),
+        accepted,
         refusal(0, reason.len() as u8),
         refusal(2, 0),
+        // A reply that ends with its head.
+        vec![3, 0, 11, 0, 0, 0, 0, 0],
     ];
     let server = UnixListener::bind(root.0.path().join("tmp/.X11-unix/X7")).unwrap();
     thread::spawn(move || {
@@ -219,6 +224,7 @@ fn a_display_is_reachable_if_a_server_accepts_connections() {
     let refused = XDisplay::Refused("No protocol specified\n".into());
     assert_eq!(display(":7"), refused);
     assert_eq!(display(":7"), refused);
+    assert_eq!(display(":7"), XDisplay::Unreachable(":7".into()));
     assert!(matches!(display("far:7"), XDisplay::Unknown(_)));
     assert_eq!(display(":0x7"), XDisplay::Unreachable(":0x7".into()));
 }

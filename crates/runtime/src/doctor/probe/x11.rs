@@ -8,15 +8,11 @@ use std::time::Duration;
 use x11rb::reexports::x11rb_protocol::connect::Connect;
 use x11rb::reexports::x11rb_protocol::xauth::{Family, get_auth};
 
+use crate::advice;
 use crate::output::socket;
 
 /// Time-out of the request and of each part of the reply.
 const TIMEOUT: Duration = Duration::from_secs(5);
-
-/// The first byte of a reply with a reason why there is no connection.
-const FAILED: u8 = 0;
-/// The first byte of a reply that accepts the connection.
-const ACCEPTED: u8 = 1;
 
 /// Connects to the server at a socket, with the cookie of `XAUTHORITY` for this host and display. Returns the reason if the server refuses
 /// the connection.
@@ -27,20 +23,20 @@ pub(super) fn refusal(path: &Path, host: &[u8], display: u16) -> io::Result<Opti
     // Without a cookie a server may still accept its own user, as in `x11rb::connect`.
     let cookie = get_auth(Family::LOCAL, host, display).ok().flatten();
     let (name, data) = cookie.unwrap_or_default();
-    let (_, request) = Connect::with_authorization(name, data);
+    let (mut connect, request) = Connect::with_authorization(name, data);
     stream.write_all(&request)?;
-    let mut head = [0; 8];
-    stream.read_exact(&mut head)?;
-    let [status, length, .., low, high] = head;
-    if status == ACCEPTED {
-        return Ok(None);
+    // The head of the reply, then the rest, whose length the head states.
+    while !connect.buffer().is_empty() {
+        let part = connect.buffer();
+        stream.read_exact(part)?;
+        let length = part.len();
+        connect.advance(length);
     }
-    let words = u16::from_ne_bytes([low, high]);
-    let mut reason = vec![0; 4 * usize::from(words)];
-    stream.read_exact(&mut reason)?;
-    // Only a failure states the length of its reason.
-    let length = if status == FAILED { length } else { u8::MAX };
-    reason.truncate(length.into());
-    let reason = String::from_utf8_lossy(&reason);
-    Ok(Some(reason.trim_end_matches('\0').to_owned()))
+    match connect.into_setup() {
+        Ok(_) => Ok(None),
+        Err(error) => {
+            let refusal = advice::refusal_of_display(&error);
+            refusal.map(Some).ok_or_else(|| io::Error::other(error))
+        }
+    }
 }
