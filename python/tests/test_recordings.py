@@ -94,7 +94,7 @@ def test_a_cut_recording_keeps_what_was_written(recorded, tmp_path):
 def test_other_files_are_refused_with_the_reason(recorded, tmp_path):
     text = tmp_path / "text.mcap"
     text.write_text("no recording")
-    with pytest.raises(ValueError, match="is no recording"):
+    with pytest.raises(ValueError, match="is not a recording"):
         ademan.read(text)
     with pytest.raises(OSError):
         ademan.read(tmp_path / "missing.mcap")
@@ -108,7 +108,7 @@ def test_recordings_of_other_programs_are_refused_with_the_reason(tmp_path):
         path = tmp_path / "other.mcap"
         with path.open("wb") as stream, Writer(stream) as writer:
             writer.write_message(topic=topic, message=Timestamp(seconds=1), log_time=1, publish_time=1)
-        with pytest.raises(ValueError, match="no recording of Ademán"):
+        with pytest.raises(ValueError, match="not a recording of Ademán"):
             ademan.read(path)
 
 

@@ -289,7 +289,7 @@ fn names() -> Vec<Mistake> {
         (
             "keys with commas",
             board("rows: [(at_mm: (0, 0), keys: \"Q, W, E\")]"),
-            "3:31: `Q,` is no key: keys are separated by blanks, not by commas",
+            "3:31: `Q,` is not a key: keys are separated by blanks, not by commas",
         ),
         (
             "a combination of keys",

@@ -28,7 +28,7 @@ fn an_error_in_a_sequence_has_its_position() {
         ("Tap(\"Ctrl Cc\")".into(), "3:11: unknown key `Cc`"),
         (
             "Tap(\"Ctrl,C\")".into(),
-            "3:6: `Ctrl,C` is no key: keys are separated by blanks, not by commas",
+            "3:6: `Ctrl,C` is not a key: keys are separated by blanks, not by commas",
         ),
         (
             "Tap(\"Ctrl+C\")".into(),

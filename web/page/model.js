@@ -10,11 +10,11 @@ const CACHE = "hand-model";
 /** The size of a model, in bytes: MediaPipe's has 7.8 MB. */
 const SIZES = [1e5, 6e7];
 
-/** Returns the reason why bytes are no model: a model is an archive of two networks that are not compressed. */
+/** Returns the reason why bytes are not a model: a model is an archive of two networks that are not compressed. */
 function wrongModel(bytes) {
   const view = new Uint8Array(bytes, 0, Math.min(bytes.byteLength, 4));
   if (bytes.byteLength < SIZES[0] || bytes.byteLength > SIZES[1]) return "a hand model has another size";
-  if (view[0] !== 0x50 || view[1] !== 0x4b) return "it is no .task file";
+  if (view[0] !== 0x50 || view[1] !== 0x4b) return "it is not a .task file";
   return null;
 }
 

@@ -50,7 +50,7 @@ class Attachment:
             self.head, self.name = head, last
             self.kind = type(getattr(self.struct, last))
             if self.kind not in (bool, int, float):
-                raise TableError(f"`{path}` is no number; add the axis, as in `location.x`")
+                raise TableError(f"`{path}` is not a number; add the axis, as in `location.x`")
         if self.name == "rotation_euler" and owner.rotation_mode in ("QUATERNION", "AXIS_ANGLE"):
             owner.rotation_mode = "XYZ"
 
@@ -86,13 +86,13 @@ class BoneRow:
             raise TableError(f"no bone begins at a joint `{self.joint}`")
         target = self.target = Target(row["target"])
         if not target.bone_name:
-            raise TableError(f"`{row['target']}` is no bone; name it as `Armature/bone`")
+            raise TableError(f"`{row['target']}` is not a bone; name it as `Armature/bone`")
         self.bone.rotation_mode = "QUATERNION"
         self.world_from_armature = target.object.matrix_world.to_3x3().normalized()
         self.rest = self.bone.bone.matrix_local.to_3x3()
         palm = Vector(row.get("palm", (0, 0, -1)))
         if palm.length < 1e-6:
-            raise TableError("`palm` is no direction")
+            raise TableError("`palm` is not a direction")
         # At rest the palm faces down, as in the T pose.
         rest = axes((self.world_from_armature @ self.rest).col[1].normalized(), palm)
         self.turn = turn
@@ -143,14 +143,14 @@ class Table:
         try:
             table = json.loads(text)
         except ValueError as error:
-            raise TableError(f"it is no JSON: {error}")
+            raise TableError(f"it is not JSON: {error}")
         if not isinstance(table, dict) or table.get("format") != "ademan-mapping":
             raise TableError('it has no `"format": "ademan-mapping"`')
         if table.get("version") != 1:
             raise TableError(f"its version is {table.get('version')}, and this add-on reads version 1")
         turn_deg = table.get("turn_deg", 180)
         if not isinstance(turn_deg, (int, float)) or not math.isfinite(turn_deg):
-            raise TableError("`turn_deg` is no angle in degrees")
+            raise TableError("`turn_deg` is not an angle in degrees")
         self.faults = []
         turn = Matrix.Rotation(math.radians(turn_deg), 3, "Z")
         self.attach = self.rows(table, "attach", Attachment)
@@ -159,7 +159,7 @@ class Table:
     def rows(self, table, name, make):
         made, rows = [], table.get(name, [])
         if not isinstance(rows, list):
-            raise TableError(f"`{name}` is no list")
+            raise TableError(f"`{name}` is not a list")
         for number, row in enumerate(rows, 1):
             try:
                 if row["device"] not in ("left", "right"):

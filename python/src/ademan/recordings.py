@@ -101,7 +101,7 @@ def read(path: str | os.PathLike[str]) -> Recording:
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: the file is no recording of Ademán.
+        ValueError: the file is not a recording of Ademán.
     """
     path = Path(path)
     rows: dict[str, list[dict[str, Any]]] = defaultdict(list)
@@ -117,7 +117,7 @@ def read(path: str | os.PathLike[str]) -> Recording:
                 break
             except (EndOfFile, McapError, DecodeError) as error:
                 if not is_recording:
-                    raise ValueError(f"{path} is no recording: {error}") from error
+                    raise ValueError(f"{path} is not a recording: {error}") from error
                 is_complete = False
                 break
             if isinstance(entry, Metadata):
@@ -132,7 +132,7 @@ def read(path: str | os.PathLike[str]) -> Recording:
             else:
                 break
     if not is_recording:
-        raise ValueError(f"{path} is no recording of Ademán: it has no metadata `ademan`")
+        raise ValueError(f"{path} is not a recording of Ademán: it has no metadata `ademan`")
     first = min((row["time_us"] for row in rows["/readings"]), default=0)
     frames = {topic: _frame(rows[f"/{topic}"], first) for topic in _TOPICS}
     return Recording(path=path, setup=setup, is_complete=is_complete, **frames)

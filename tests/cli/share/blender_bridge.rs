@@ -182,7 +182,7 @@ fn bones_and_properties_follow_a_shared_hand_and_are_baked() {
     assert!(connected["connect_s"].as_f64().expect("seconds") < 30.0);
     let faults = [
         "attach 29: there is no object `Nothing`",
-        "attach 30: `location` is no number; add the axis, as in `location.x`",
+        "attach 30: `location` is not a number; add the axis, as in `location.x`",
         "bones 10: no bone begins at a joint `index-finger-tip`",
         "bones 11: the device is `both`; it is `left` or `right`",
     ];
@@ -210,10 +210,10 @@ fn bones_and_properties_follow_a_shared_hand_and_are_baked() {
     check_changes(&mut results);
     let refused = results.next("messages");
     let reasons = [
-        "it is no JSON",
+        "it is not JSON",
         "it has no `\"format\"",
         "version is 9",
-        "`bones` is no list",
+        "`bones` is not a list",
     ];
     for (message, reason) in refused["messages"]
         .as_array()

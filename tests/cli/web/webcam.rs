@@ -133,7 +133,7 @@ fn a_hand_before_a_webcam_gets_the_board_under_its_fingers_types_and_is_released
     browser.evaluate("document.getElementById('webcam').open = true");
     choose(&mut browser, "webcam-file", &wrong);
     browser.wait_for(LOOK, "a wrong model", |look| {
-        has(look, "status", "it is no .task file")
+        has(look, "status", "it is not a .task file")
     });
     start(&mut browser, &model);
 

@@ -69,7 +69,7 @@ impl<'a> LayoutBuilder<'a> {
             let has_comma = code.len() > 1 && code.contains(',');
             if has_comma {
                 let message =
-                    format!("`{code}` is no key: keys are separated by blanks, not by commas");
+                    format!("`{code}` is not a key: keys are separated by blanks, not by commas");
                 self.error(code, message)
             } else if let Some(keys) = combination(code) {
                 let meant = joined_name(code)

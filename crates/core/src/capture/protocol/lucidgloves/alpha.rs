@@ -14,7 +14,7 @@ pub(super) fn parse(line: &[u8]) -> Result<Fields, PacketError> {
     let mut rest = line;
     while !rest.is_empty() {
         let field = split_key(rest).and_then(|(key, rest)| Some((key, split_number(rest)?)));
-        let (key, (value, after)) = field.ok_or_else(|| unknown("it is no list of fields"))?;
+        let (key, (value, after)) = field.ok_or_else(|| unknown("it is not a list of fields"))?;
         set(&mut fields, key, value)?;
         rest = after;
     }

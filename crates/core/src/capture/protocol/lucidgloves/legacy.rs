@@ -23,7 +23,7 @@ pub(super) fn parse(line: &[u8]) -> Result<Fields, PacketError> {
     let mut count = 0;
     for word in line.split(|&byte| byte == b'&') {
         let number = std::str::from_utf8(word)?.parse();
-        let number: i64 = number.map_err(|_| unknown("a value is no whole number"))?;
+        let number: i64 = number.map_err(|_| unknown("a value is not a whole number"))?;
         if let Some(value) = values.get_mut(count) {
             *value = number;
         }
