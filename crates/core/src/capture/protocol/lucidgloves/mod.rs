@@ -6,6 +6,8 @@
 //!
 //! A line that names no finger is not a packet: blank lines, boot messages and device information are skipped. A line with a
 //! key twice is skipped too, because it consists of two lines of which the first was cut. Unknown keys are ignored.
+//!
+//! opengloves-lib (`src/opengloves/alpha.hpp`) leaves out joints and splays of 0, which other lines of the same glove have.
 
 mod alpha;
 mod feedback;
@@ -202,6 +204,22 @@ impl Fields {
         }
     }
 
+    /// Sets the splays and joints to 0 that the line leaves out although an earlier one, as `named` says, had them. Adds those of this
+    /// line to `named`. A finger without a curl stays unknown.
+    fn restore_zeros(&mut self, named: &mut ChannelSet) {
+        for (finger, curl) in self.curls.iter().enumerate() {
+            let splay = (SPLAY + finger, &mut self.splays[finger]);
+            let joints = (JOINT + JOINTS * finger..).zip(&mut self.joints[finger]);
+            for (channel, value) in std::iter::once(splay).chain(joints) {
+                if value.is_some() {
+                    named.insert(channel);
+                } else if curl.is_some() && named.contains(channel) {
+                    *value = Some(0);
+                }
+            }
+        }
+    }
+
     /// Returns the channels of splays, stick and trigger that the line does not name.
     fn unsent(&self) -> ChannelSet {
         let splays = (SPLAY..).zip(self.splays);
@@ -247,6 +265,8 @@ impl Fields {
 #[derive(Clone, Copy, Debug)]
 pub struct LucidParser {
     max: u16,
+    /// The splays and joints that a line has had.
+    named: ChannelSet,
     /// The feedback in the encoding of the latest packet.
     feedback: Option<&'static FeedbackFormat>,
 }
@@ -255,6 +275,7 @@ pub struct LucidParser {
 pub fn decoder(max: u16) -> LineDecoder<LucidParser> {
     LineDecoder::with_parser(LucidParser {
         max,
+        named: ChannelSet::NONE,
         feedback: None,
     })
 }
@@ -264,7 +285,8 @@ impl LineParser for LucidParser {
     const MAX_LINE_BYTES: usize = 512;
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
-        let fields = Fields::parse(line)?;
+        let mut fields = Fields::parse(line)?;
+        fields.restore_zeros(&mut self.named);
         self.feedback = Some(if is_legacy(line) {
             &feedback::LEGACY
         } else {

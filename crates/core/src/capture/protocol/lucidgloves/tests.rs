@@ -143,6 +143,21 @@ fn channels_that_a_line_does_not_name_are_unsent() {
 }
 
 #[test]
+fn a_joint_and_a_splay_that_an_earlier_line_had_are_0_if_they_are_left_out() {
+    let mut decoder = decoder(FULL_SCALE);
+    let mut seen = Vec::new();
+    // The splay and the second joint of the index finger, of which the last line does not know the curl.
+    let stream = "B900C5\nB900(BB)7(BAC)300\nB900\nC5\n";
+    decoder.push(stream.as_bytes(), &mut |packet: Packet| {
+        let Sample::Channels(channels) = packet.sample else {
+            panic!("a glove sends channels");
+        };
+        seen.push([SPLAY + 1, JOINT + JOINTS + 2].map(|channel| channels.counts[channel]));
+    });
+    assert_eq!(seen, [[MIDDLE, 900], [7, 300], [0, 0], [MIDDLE, UNKNOWN]]);
+}
+
+#[test]
 fn unknown_keys_are_ignored() {
     let plain = Fields::parse(b"A1B2");
     assert!(plain.is_ok());
