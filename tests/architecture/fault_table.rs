@@ -614,7 +614,7 @@ pub const FAULTS: &[Row] = &[
         ("tests/outputs/x11/bursts.rs", "no_enter_follows_a_text_that_a_held_control_would_make_a_shortcut"),
         ("tests/outputs/x11/bursts.rs", "a_correction_that_the_keymap_cannot_type_deletes_nothing"),
         (BURSTS, "a_correction_is_executed_entirely_or_not_at_all"),
-        (BURSTS, "a_key_behind_a_text_that_cannot_be_typed_is_not_sent"),
+        (BURSTS, "a_key_after_a_text_that_cannot_be_typed_is_not_sent"),
     ])),
     fault(108, "a display is slow, or a pause comes, while a correction is typed", Tests(&[
         ("tests/outputs/x11/bursts.rs", "a_correction_on_a_slow_display_arrives_entirely_or_not_at_all"),
@@ -630,9 +630,9 @@ pub const FAULTS: &[Row] = &[
     ])),
     fault(110, "another keyboard or mouse is pressed before a correction", Tests(&[
         ("tests/outputs/x11/other_devices.rs", "a_correction_deletes_nothing_that_another_keyboard_has_typed"),
-        ("tests/outputs/x11/other_devices.rs", "a_correction_deletes_nothing_behind_a_click_of_another_mouse"),
+        ("tests/outputs/x11/other_devices.rs", "a_correction_deletes_nothing_after_a_click_of_another_mouse"),
         ("tests/outputs/x11/other_devices.rs", "a_modifier_of_another_keyboard_drops_a_correction"),
-        (BURSTS, "a_correction_deletes_nothing_behind_a_press_of_another_device"),
+        (BURSTS, "a_correction_deletes_nothing_after_a_press_of_another_device"),
         (BURSTS, "an_idle_thread_notices_a_press_of_another_device"),
     ])),
 ];

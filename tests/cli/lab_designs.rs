@@ -387,7 +387,7 @@ fn a_layout_of_the_community_is_imported_checked_and_scored() {
     let [errors, ..] = row(&scored.out, "wrong characters (CER), %");
     assert!(errors < 5.0, "{}", scored.out);
     run(["lab", "import", &grid, "--output", text(&path)]).exited(2);
-    // A part of the name behind a point is no extension.
+    // A part of the name after a point is no extension.
     std::fs::rename(&grid, folder.path().join("grid.v2.txt")).expect("a file");
     run_in(folder.path(), ["lab", "import", "grid.v2.txt"]).done();
     assert!(folder.path().join("grid.v2.ron").exists());

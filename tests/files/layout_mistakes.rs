@@ -54,7 +54,7 @@ fn syntax() -> Vec<Mistake> {
             "1:1: a comment begins with `//`, not with `#`",
         ),
         (
-            "a comment with `#` behind a field",
+            "a comment with `#` after a field",
             board(&format!("pitch_mm: 19, # mm\n{row}")),
             "3:15: a comment begins with `//`, not with `#`",
         ),

@@ -82,7 +82,7 @@ fn each_sign_of_a_key_replaces_the_one_before_and_the_space_of_a_candidate() {
 }
 
 #[test]
-fn behind_text_that_is_not_known_taps_in_a_row_choose() {
+fn after_text_that_is_not_known_taps_in_a_row_choose() {
     let setup = setup("phone-words", Some(TextModeSchema::Auto));
     let script = "tap 4; tap 3; wait 3000; tap 2; tap 2; tap 2";
     let hand = setup.scripted(script, &glove_format_at(115_200), 0.0, 0);

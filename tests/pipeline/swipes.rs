@@ -53,14 +53,14 @@ fn a_swiped_word_is_typed_when_the_finger_is_lifted() {
 }
 
 #[test]
-fn a_space_behind_a_swiped_word_is_not_doubled() {
+fn a_space_after_a_swiped_word_is_not_doubled() {
     let script = format!("{QUICK}; tap Space; tap F; tap O; tap X; tap Space");
     let typed = performs("qwerty-swipe", Some(TextModeSchema::Auto), &script);
     assert_eq!(typed.text, "quick fox ");
 }
 
 #[test]
-fn the_rest_of_a_word_behind_a_swiped_word_that_cannot_be_typed_is_not_corrected() {
+fn the_rest_of_a_word_after_a_swiped_word_that_cannot_be_typed_is_not_corrected() {
     // A keyboard of the kernel has no `á` for `más`.
     let setup = spanish("qwerty-swipe", "uinput");
     let script = "press M; slide -123.5 19; slide 19 0; lift; tap Q; tap E; tap U; tap Space";

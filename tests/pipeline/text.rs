@@ -281,7 +281,7 @@ fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
 }
 
 #[test]
-fn the_rest_of_a_word_behind_a_candidate_that_cannot_be_typed_is_not_corrected() {
+fn the_rest_of_a_word_after_a_candidate_that_cannot_be_typed_is_not_corrected() {
     // A keyboard of the kernel has no `ó`.
     let setup = spanish("qwerty-flat", "uinput");
     let mut is_taken = false;

@@ -33,11 +33,11 @@ fn load(mode: TextModeSchema) -> LoadedSetup {
     setup.load_files().expect("the shipped layouts")
 }
 
-/// Performs a script, and calls `change` once behind a number of presses.
+/// Performs a script, and calls `change` once after a number of presses.
 fn performs(
     setup: &LoadedSetup,
     script: &str,
-    behind: usize,
+    after: usize,
     mut change: impl FnMut(&mut CheckedPipeline, &mut Events),
 ) -> String {
     let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
@@ -46,13 +46,13 @@ fn performs(
         setup,
         hand.expect("a script"),
         |presses, pipeline, events| {
-            if presses == behind && !is_changed {
+            if presses == after && !is_changed {
                 is_changed = true;
                 change(pipeline, events);
             }
         },
     );
-    assert!(is_changed || behind == usize::MAX, "{typed:?}");
+    assert!(is_changed || after == usize::MAX, "{typed:?}");
     typed.text
 }
 
@@ -79,7 +79,7 @@ fn a_mark_takes_the_space_that_a_candidate_has_brought() {
 }
 
 #[test]
-fn a_space_behind_a_candidate_that_ends_with_a_mark_is_typed() {
+fn a_space_after_a_candidate_that_ends_with_a_mark_is_typed() {
     let sentence =
         "tap T; tap E; tap H; tap Space; tap C; tap A; tap T; tap Period; tap candidate-1";
     let taken = suggests(sentence);
@@ -121,7 +121,7 @@ const HALF: &str = "tap C; tap O; tap N; wait 1500; tap T; tap E; tap H; tap Spa
 const WORD: &str = "wait 300; tap T; tap E; tap H; tap Space";
 
 #[test]
-fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_mode() {
+fn the_rest_of_a_word_is_not_corrected_after_a_change_of_the_mode() {
     let to_auto = |pipeline: &mut CheckedPipeline, events: &mut Events| {
         let command = Command::Text {
             mode: TextMode::Auto,
@@ -137,7 +137,7 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_mode() {
 }
 
 #[test]
-fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_profile() {
+fn the_rest_of_a_word_is_not_corrected_after_a_change_of_the_profile() {
     let setup = load(TextModeSchema::Auto);
     let script = format!("{HALF}; {WORD}");
     let text = performs(&setup, &script, 3, |pipeline, events| {
@@ -147,7 +147,7 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_profile() {
 }
 
 #[test]
-fn the_rest_of_a_word_is_not_corrected_behind_a_profile_without_a_decoder() {
+fn the_rest_of_a_word_is_not_corrected_after_a_profile_without_a_decoder() {
     // With a Shift that is down while it is touched, at the place that the script taps.
     let board = include_str!("../../layouts/keyboards/spanish-flat.ron");
     let board = board.replace("ShiftLeft", "ShiftRight");
@@ -206,7 +206,7 @@ fn a_hand_that_leaves_the_view_in_a_word_drops_it() {
         }
     });
     assert_eq!(seen.text, "the the ");
-    // In the wait behind the second letter.
+    // In the wait after the second letter.
     let from = second_press.expect("two letters").0 + 700_000;
     let hiding = Hiding {
         hand: scripted(),

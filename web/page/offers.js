@@ -43,8 +43,8 @@ function bracketsAround(tokens) {
   return frames;
 }
 
-/** Returns the keys that are written behind a position, in the bracket around it. */
-function keysBehind(text) {
+/** Returns the keys that are written after a position, in the bracket around it. */
+function keysAfter(text) {
   const keys = [];
   let depth = 0;
   let last = null;
@@ -137,12 +137,12 @@ export function offersOf(schema) {
     if (!within || isNumber) return none;
     const prefix = typed ? content(typed.token) : "";
     const range = { from: typed ? typed.index : position, to: position + rest.length, prefix };
-    const behind = text.slice(range.to);
+    const after = text.slice(range.to);
 
     let offers;
     if (frame.key === null && within.fields && frame.bracket === "(") {
-      const written = new Set([...frame.keys, ...keysBehind(behind)]);
-      const colon = /^\s*:/.test(behind) ? "" : ": ";
+      const written = new Set([...frame.keys, ...keysAfter(after)]);
+      const colon = /^\s*:/.test(after) ? "" : ": ";
       const names = Object.keys(within.fields).filter((name) => !written.has(name));
       offers = names.map((name) => ({ name, insert: name + colon, about: resolve(within.fields[name]).description ?? "", isField: true }));
     } else if (frame.key === null && frame.bracket === "{") {

@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn files_that_another_window_has_added_come_behind_those_of_this_one() {
+    fn files_that_another_window_has_added_come_after_those_of_this_one() {
         let list = |names: &str| RecentFiles(names.split(' ').map(str::to_owned).collect());
         for (own, other, before, expected) in [
             ("a b", "a b", "a b", "a b"),

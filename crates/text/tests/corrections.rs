@@ -154,7 +154,7 @@ fn a_candidate_that_is_taken_back_inside_a_word_leaves_the_rest_of_the_word_alon
 }
 
 #[test]
-fn the_rest_of_a_word_behind_the_cursor_is_not_corrected() {
+fn the_rest_of_a_word_after_the_cursor_is_not_corrected() {
     let mut field = Field::new(Mode::Auto);
     field.types("cat");
     field.corrector.leave();
@@ -237,7 +237,7 @@ fn a_long_text_stays_in_step() {
 }
 
 #[test]
-fn a_sentence_behind_a_committed_one_is_corrected() {
+fn a_sentence_after_a_committed_one_is_corrected() {
     let mut field = Field::new(Mode::Auto);
     // Long enough that the decoder commits at the period, in front of the space.
     let sentence = "the quick brown fox and the lazy dog and the quick brown fox.";
@@ -256,7 +256,7 @@ fn a_sentence_behind_a_committed_one_is_corrected() {
 }
 
 #[test]
-fn a_letter_behind_a_sentence_has_no_empty_candidate() {
+fn a_letter_after_a_sentence_has_no_empty_candidate() {
     let mut field = Field::new(Mode::Suggest);
     field.types("the cat. ");
     field.corrector.reset();
@@ -271,7 +271,7 @@ fn a_letter_behind_a_sentence_has_no_empty_candidate() {
 }
 
 #[test]
-fn a_quotation_mark_behind_a_comma_stays() {
+fn a_quotation_mark_after_a_comma_stays() {
     let mut field = Field::new(Mode::Auto);
     field.types("the fox,' the dog ");
     assert_eq!(field.text, "the fox,' the dog ");
@@ -295,7 +295,7 @@ fn what_was_corrected_stays_while_no_word_is_complete() {
 }
 
 #[test]
-fn the_first_letter_behind_unknown_text_is_no_space() {
+fn the_first_letter_after_unknown_text_is_no_space() {
     let mut field = Field::auto(ademan_text::languages::ENGLISH);
     field.corrector.reset();
     field.types("n2a ");
@@ -390,7 +390,7 @@ fn a_candidate_replaces_a_swiped_word_and_is_context_for_the_next() {
 }
 
 #[test]
-fn a_swipe_behind_a_word_without_a_space_gets_one_and_keeps_a_typed_capital() {
+fn a_swipe_after_a_word_without_a_space_gets_one_and_keeps_a_typed_capital() {
     let mut field = Field::new(Mode::Auto);
     field.types("cat");
     field.swipes("Sat");
@@ -416,7 +416,7 @@ fn a_swipe_that_is_taken_back_inside_a_word_leaves_the_rest_of_the_word_alone() 
 }
 
 #[test]
-fn taps_behind_a_swipe_are_corrected_and_a_reset_drops_its_candidates() {
+fn taps_after_a_swipe_are_corrected_and_a_reset_drops_its_candidates() {
     let mut field = Field::new(Mode::Auto);
     field.swipes("the");
     field.types("wisdim ");

@@ -67,7 +67,7 @@ fn a_capital_that_was_set_does_not_end_the_correction_of_its_word() {
 }
 
 #[test]
-fn the_rest_of_a_word_behind_a_candidate_that_is_out_of_reach_is_left_alone() {
+fn the_rest_of_a_word_after_a_candidate_that_is_out_of_reach_is_left_alone() {
     let mut field = Field::new(Mode::Suggest);
     let typed = "teh wisdom of the world wisdom of the world hel";
     field.types(typed);

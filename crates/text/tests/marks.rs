@@ -34,7 +34,7 @@ fn check(language: &[u8], cases: &[(&str, &str)]) {
 }
 
 #[test]
-fn marks_that_open_stay_while_words_behind_them_are_corrected() {
+fn marks_that_open_stay_while_words_after_them_are_corrected() {
     check(
         ENGLISH,
         &[
@@ -73,11 +73,11 @@ fn signs_inside_addresses_and_code_stay() {
 }
 
 #[test]
-fn a_correction_does_not_lower_the_margin_of_the_words_behind_it() {
+fn a_correction_does_not_lower_the_margin_of_the_words_after_it() {
     for word in ["git", "nuria"] {
         let alone = typed(ENGLISH, &format!("the old cat and {word} is "), false);
-        let behind = typed(ENGLISH, &format!("teh old cat and {word} is "), false);
-        assert_eq!(alone, behind);
+        let after = typed(ENGLISH, &format!("teh old cat and {word} is "), false);
+        assert_eq!(alone, after);
         // A Backspace inside the word changes nothing.
         let mut field = field(ENGLISH, false);
         field.types(&format!("teh old cat and {word}x"));

@@ -44,7 +44,7 @@ fn last(model: &Model, words: &[&str]) -> f32 {
 }
 
 #[test]
-fn another_model_has_its_share_behind_the_words_that_it_knows() {
+fn another_model_has_its_share_after_the_words_that_it_knows() {
     let [plain, mixed] = [built(), built_with(ARPA)];
     let [plain, mixed] = [&plain, &mixed].map(|bytes| Model::from_bytes(bytes).expect("a model"));
     // After `the`: a half of 0.79 and a half of what the sentences say, which is 0.1 to 0.15.
@@ -159,8 +159,8 @@ fn words_of_no_weight_are_equally_likely() {
     assert!(mixed.find("qed").is_some());
     let symbol = |letter: char| mixed.alphabet.symbol(letter).expect("a letter");
     let start = ademan_text::model::spelling::START;
-    let (_, behind) = mixed.spelling.letter(start, symbol('q'));
-    let (likely, _) = mixed.spelling.letter(behind, symbol('e'));
+    let (_, second) = mixed.spelling.letter(start, symbol('q'));
+    let (likely, _) = mixed.spelling.letter(second, symbol('e'));
     assert!(likely < -0.5, "{likely}");
 }
 
@@ -285,7 +285,7 @@ fn short_long_and_foreign_files_are_refused_with_a_remedy() {
 }
 
 #[test]
-fn contradictions_behind_a_right_checksum_do_no_harm() {
+fn contradictions_after_a_right_checksum_do_no_harm() {
     // A faulty or malicious builder could write such files.
     let bytes = built();
     let mut random = fastrand::Rng::with_seed(3);

@@ -292,7 +292,7 @@ fn a_hand_that_drifts_off_the_space_bar_is_corrected_word_by_word() {
 }
 
 #[test]
-fn a_person_who_pauses_behind_each_phrase_is_learned_all_the_same() {
+fn a_person_who_pauses_after_each_phrase_is_learned_all_the_same() {
     let Some(mut phrases) = phrases(false) else {
         return;
     };

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 /// The name of the standard output in place of a file.
 const STDOUT: &str = "-";
 
-/// Returns the path with an extension behind the name, unless the path has that extension or is the standard output, `-`.
+/// Returns the path with an extension after the name, unless the path has that extension or is the standard output, `-`.
 pub fn with_extension(path: &Path, extension: &str) -> PathBuf {
     let has_extension = path.extension().is_some_and(|it| it == extension);
     if has_extension || path == Path::new(STDOUT) {

@@ -47,8 +47,8 @@ fn write(browser: &mut Browser, text: &str) {
     browser.call("Input.insertText", json!({ "text": text }));
 }
 
-/// Puts the cursor behind a part of the text.
-fn go_behind(browser: &mut Browser, part: &str) {
+/// Puts the cursor after a part of the text.
+fn go_after(browser: &mut Browser, part: &str) {
     browser.evaluate(&format!(
         "(() => {{ const it = document.getElementById('editor'); it.focus(); const at = it.value.indexOf({part:?}) + {}; it.setSelectionRange(at, at); }})()",
         part.len()
@@ -72,7 +72,7 @@ fn names_are_offered_while_typing_and_accepted_with_a_key() {
     edit(&mut browser, &format!("{text:?}"));
 
     // A field, whose value is offered next. Tab leaves the editor only while no list is open.
-    go_behind(&mut browser, "anchor: world, ");
+    go_after(&mut browser, "anchor: world, ");
     browser.wait_for(
         "fetch('layout.schema.json').then((it) => ({ok: it.ok}))",
         "the schema",
@@ -122,7 +122,7 @@ fn names_are_offered_while_typing_and_accepted_with_a_key() {
 
     // A word of an enumeration, chosen with the arrow keys and Enter. Fields that are there are not offered.
     edit(&mut browser, &format!("{text:?}"));
-    go_behind(&mut browser, "(pose: (");
+    go_after(&mut browser, "(pose: (");
     press(&mut browser, " ");
     let demanded = browser.wait_for(LOOK, "a list on demand", |seen| seen["is_open"] == true);
     assert!(
@@ -131,7 +131,7 @@ fn names_are_offered_while_typing_and_accepted_with_a_key() {
     );
     press(&mut browser, "Escape");
     edit(&mut browser, &format!("{:?}", text.replace("world, ", "")));
-    go_behind(&mut browser, "anchor: ");
+    go_after(&mut browser, "anchor: ");
     press(&mut browser, " ");
     let anchors = browser.wait_for(LOOK, "the anchors", |seen| seen["is_open"] == true);
     assert_eq!(
@@ -236,7 +236,7 @@ fn names_that_come_late_are_not_shown_to_a_person_who_is_somewhere_else() {
     open(&mut browser, &address);
     let text = "Layout(\n    name: \"A\",\n    boards: [(pose: (anchor: world))],\n)\n";
     edit(&mut browser, &format!("{text:?}"));
-    go_behind(&mut browser, "(pose: (");
+    go_after(&mut browser, "(pose: (");
     press(&mut browser, " ");
     let asked = "({asked: typeof globalThis.arrive})";
     browser.wait_for(asked, "the schema is asked for", |look| {
@@ -245,7 +245,7 @@ fn names_that_come_late_are_not_shown_to_a_person_who_is_somewhere_else() {
     browser.evaluate("document.getElementById('text-to-type').focus()");
     browser.evaluate("arrive()");
     assert_eq!(browser.evaluate(LOOK)["is_open"], false);
-    go_behind(&mut browser, "(pose: (");
+    go_after(&mut browser, "(pose: (");
     press(&mut browser, " ");
     browser.wait_for(LOOK, "the names on demand", |look| look["is_open"] == true);
 }

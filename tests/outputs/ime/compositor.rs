@@ -96,7 +96,7 @@ fn passwords_and_addresses_are_typed_as_keys_and_not_corrected() {
 fn a_sentence_starts_with_a_capital_where_the_field_asks_for_it() {
     for (kind, expected) in [
         ("sentences", "Hello there. So it is "),
-        // The decoder adds the capital behind the full stop.
+        // The decoder adds the capital after the full stop.
         ("text", "hello there. So it is "),
     ] {
         let Some(desk) = open(kind) else {

@@ -169,7 +169,7 @@ fn a_modifier_of_another_keyboard_drops_a_correction() {
 }
 
 #[test]
-fn a_correction_deletes_nothing_behind_a_click_of_another_mouse() {
+fn a_correction_deletes_nothing_after_a_click_of_another_mouse() {
     check_that_a_correction_is_dropped_after(LEFT);
 }
 

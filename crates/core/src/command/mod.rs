@@ -81,7 +81,7 @@ pub enum Command {
         /// The mode.
         mode: TextMode,
     },
-    /// Takes a candidate of the text decoder in place of what was typed of a word, with a space behind it.
+    /// Takes a candidate of the text decoder in place of what was typed of a word, with a space after it.
     Candidate {
         /// The position, 1 to 3, the most probable one first.
         #[serde(deserialize_with = "whole_number")]

@@ -234,7 +234,7 @@ impl Slice<'_> {
         }
     }
 
-    /// Returns the number that was meant, if the error is behind a decimal comma.
+    /// Returns the number that was meant, if the error is after a decimal comma.
     fn decimal_comma(&self) -> Option<String> {
         let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).count();
         let after = &self.text[self.range.start..];
@@ -292,7 +292,7 @@ fn different_length(expected: &str, found: usize) -> String {
     format!("expected {number} in parentheses, found {found}")
 }
 
-/// Returns the bytes of the `#` of a comment as in shells, if the error is at or behind it.
+/// Returns the bytes of the `#` of a comment as in shells, if the error is at or after it.
 fn hash_comment(text: &str, offset: usize) -> Option<Range<usize>> {
     let before = text[..offset].trim_end();
     let hash = if text[offset..].starts_with('#') {

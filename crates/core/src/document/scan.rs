@@ -35,7 +35,7 @@ pub(super) enum TokenKind {
 pub(super) struct Element {
     /// The bracket around it.
     pub bracket: u8,
-    /// The bytes, with the comma behind it.
+    /// The bytes, with the comma after it.
     pub range: Range<usize>,
     /// The bytes between the brackets around it.
     pub inside: Range<usize>,

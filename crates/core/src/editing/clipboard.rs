@@ -18,7 +18,7 @@ use crate::layout::quantity::Size;
 /// The maps of a layout with entries about controls by their names.
 const MAPS: [&str; 2] = ["labels", "signals"];
 
-/// Returns controls as the text of a board, `(keys: [..], sliders: [..])`, for `paste`, with their labels and signals behind them. Each
+/// Returns controls as the text of a board, `(keys: [..], sliders: [..])`, for `paste`, with their labels and signals after them. Each
 /// has the size that it has on its board. Without controls, boards, triggers and targets in space are returned as the text of a layout,
 /// `(boards: [..], triggers: [..], spaces: [..])`. `None` without any of them among the parts.
 pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
@@ -235,7 +235,7 @@ fn paste_controls(
     Ok(new_parts)
 }
 
-/// Adds the entries of a map behind parts that are pasted, under the names of these, unless the layout has such entries.
+/// Adds the entries of a map after parts that are pasted, under the names of these, unless the layout has such entries.
 fn paste_entries(
     draft: &mut Draft,
     (source, from): (&Draft, Option<&Node>),

@@ -355,8 +355,8 @@ fn removed(text: &str, group: &Node, index: usize) -> Range<usize> {
     let end = item.comma.map_or(item.value.range.end, |comma| comma + 1);
     let line_end = text[end..].find('\n').map(|at| end + at + 1);
     if let (Some(indent), Some(line_end)) = (indent_before(text, start), line_end) {
-        let behind = text[end..line_end].trim();
-        if behind.is_empty() || behind.starts_with("//") {
+        let after = text[end..line_end].trim();
+        if after.is_empty() || after.starts_with("//") {
             return start - indent.len()..line_end;
         }
     }

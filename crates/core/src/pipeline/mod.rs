@@ -151,7 +151,7 @@ impl Pipeline {
         self
     }
 
-    /// Adds a filter of presses behind the others.
+    /// Adds a filter of presses after the others.
     #[must_use]
     pub fn with_filter(mut self, filter: Box<dyn PressFilter>) -> Self {
         self.filters.add(filter);

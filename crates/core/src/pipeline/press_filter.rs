@@ -129,7 +129,7 @@ pub(super) struct PressFilters {
 }
 
 impl PressFilters {
-    /// Adds a filter behind the others.
+    /// Adds a filter after the others.
     pub(super) fn add(&mut self, filter: Box<dyn PressFilter>) {
         self.filters.push(filter);
     }
@@ -208,7 +208,7 @@ fn held_before(held: &PressedKeys, events: &[OutputEvent]) -> PressedKeys {
 }
 
 /// Appends an event, and its release if neither a control that holds the key nor a later event would release it. Events that are no
-/// releases leave room for the releases behind them.
+/// releases leave room for the releases after them.
 fn push(event: OutputEvent, later: &[OutputEvent], held: &PressedKeys, events: &mut Events) {
     let releases = later.iter().filter(|it| is_release(it)).count();
     let EventKind::KeyDown(key) = event.kind else {
@@ -377,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn characters_and_motions_leave_room_for_the_releases_behind_them() {
+    fn characters_and_motions_leave_room_for_the_releases_after_them() {
         for filler in [EventKind::Character('ñ'), EventKind::MoveBy(1, 0)] {
             let flood = move |_: &FilterInput, events: &mut Events| {
                 // It becomes a tap, which takes one event more.

@@ -3,7 +3,7 @@
 use crate::device::{EventKind, OutputEvent};
 
 /// Moves releases before presses. Each device emits its releases first, but does not know the events of the others. A
-/// release stays behind a press of the same key; times remain in order.
+/// release stays after a press of the same key; times remain in order.
 pub(super) fn move_releases_first(events: &mut [OutputEvent]) {
     let is_press = |event: &OutputEvent| matches!(event.kind, EventKind::KeyDown(_));
     let Some(mut first_press) = events.iter().position(is_press) else {

@@ -211,7 +211,7 @@ pub fn score(
     score_decoded(conditions, None, cancel, progress)
 }
 
-/// Scores a layout with a text decoder behind its devices, and with other readings of the same taps. Texts are compared without capitals,
+/// Scores a layout with a text decoder after its devices, and with other readings of the same taps. Texts are compared without capitals,
 /// double spaces and punctuation at their end. Each phrase ends with a space.
 pub fn score_decoded(
     conditions: &Conditions,

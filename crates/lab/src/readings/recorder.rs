@@ -15,7 +15,7 @@ use crate::pipeline::press_filter::FilterInput;
 use crate::sim::UsTextField;
 use crate::time::Timestamp;
 
-/// The text that the devices type, and a decoder behind them that lives as long as a person types.
+/// The text that the devices type, and a decoder after them that lives as long as a person types.
 pub(crate) struct Recorder {
     decoder: Box<dyn PressFilter>,
     keys: KeyPlaces,

@@ -99,7 +99,7 @@ impl Station {
         })
     }
 
-    /// Puts a text decoder behind the devices. Returns `false` if the layout has too few letters for it.
+    /// Puts a text decoder after the devices. Returns `false` if the layout has too few letters for it.
     pub fn set_decoder(&mut self, decoder: &DecoderFactory) -> bool {
         let decoder = decoder(&self.layout, self.hands.len() > 1);
         self.finds_letters = decoder.as_deref().is_some_and(PressFilter::finds_letters);

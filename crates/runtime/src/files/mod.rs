@@ -35,7 +35,7 @@ mod unsupported;
 #[cfg(not(unix))]
 use unsupported as system;
 
-/// The most symbolic links, one behind the other, that lead to a file: as many as Linux follows.
+/// The most symbolic links, one after the other, that lead to a file: as many as Linux follows.
 const MAX_LINKS: usize = 40;
 
 /// The number of attempts to open a file that other programs replace at the same time.

@@ -17,34 +17,34 @@ pub(super) enum Place {
     Unknown,
     /// Inside a sentence.
     Inside,
-    /// Directly behind a mark that may end a sentence.
-    BehindMark,
+    /// Directly after a mark that may end a sentence.
+    AfterMark,
     /// At the start of a sentence.
     Start,
 }
 
 impl Place {
     /// All places; the index of each is its number.
-    const ALL: [Self; 4] = [Self::Unknown, Self::Inside, Self::BehindMark, Self::Start];
+    const ALL: [Self; 4] = [Self::Unknown, Self::Inside, Self::AfterMark, Self::Start];
 
-    /// Returns the place behind the whole text before the cursor.
+    /// Returns the place after the whole text before the cursor.
     #[cfg_attr(
         not(feature = "wayland"),
         allow(dead_code, reason = "only a compositor reports it")
     )]
-    pub(super) fn behind(text: &str) -> Self {
+    pub(super) fn at_end_of(text: &str) -> Self {
         Self::Start.after(text)
     }
 
-    /// Returns the place behind text at this place.
+    /// Returns the place after text at this place.
     fn after(self, text: &str) -> Self {
         if self == Self::Unknown {
             return self;
         }
         text.chars().fold(self, |place, character| match character {
-            '.' | '!' | '?' => Self::BehindMark,
+            '.' | '!' | '?' => Self::AfterMark,
             '\n' => Self::Start,
-            _ if character.is_whitespace() && place == Self::BehindMark => Self::Start,
+            _ if character.is_whitespace() && place == Self::AfterMark => Self::Start,
             _ if character.is_whitespace() => place,
             // Quotes and brackets around a sentence.
             '"' | '\'' | '(' | ')' | '¡' | '¿' => place,
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sentence_starts_behind_a_mark_and_a_space_and_in_an_empty_field() {
+    fn a_sentence_starts_after_a_mark_and_a_space_and_in_an_empty_field() {
         let table = [
             ("", true),
             ("  ", true),
@@ -132,7 +132,7 @@ mod tests {
             ("Hola. ¿", true),
         ];
         for (text, is_start) in table {
-            assert_eq!(Place::behind(text) == Place::Start, is_start, "{text:?}");
+            assert_eq!(Place::at_end_of(text) == Place::Start, is_start, "{text:?}");
         }
     }
 

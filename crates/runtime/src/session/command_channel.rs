@@ -65,7 +65,7 @@ impl Drop for ClientPermit {
 /// Counters of requested pauses, and of pauses that a `Resume` has ended.
 ///
 /// Each pause is counted twice: before and after it enters the queue. A `Resume` ends the pauses that were counted before it entered the
-/// queue. A pause behind it in the queue therefore stays requested, even if the threads that send them interrupt each other. A pause
+/// queue. A pause after it in the queue therefore stays requested, even if the threads that send them interrupt each other. A pause
 /// that enters the queue at the same time may stay requested, too.
 #[derive(Debug, Default)]
 struct PauseNotes {
@@ -407,7 +407,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pause_that_is_queued_behind_a_resume_is_not_ended_by_it() {
+    fn a_pause_that_is_queued_after_a_resume_is_not_ended_by_it() {
         let pauses = PauseNotes::default();
         // The pause is noted, the resume is queued, and then the pause.
         pauses.note();

@@ -51,7 +51,7 @@ impl Waker {
             return None;
         }
         let message = next();
-        // More messages may wait behind this one.
+        // More messages may wait after this one.
         if message.is_some() {
             has_messages.store(true, Ordering::Relaxed);
         }
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn a_message_behind_another_is_received_without_a_second_wake_up() {
+    fn a_message_after_another_is_received_without_a_second_wake_up() {
         let waker = Waker::default();
         let mut queue = ['a', 'b'].into_iter();
         waker.wake();

@@ -93,8 +93,8 @@ impl Counts {
             if word.is_empty() {
                 continue;
             }
-            let behind = &start[word.len()..];
-            let ends = behind.contains(['.', ',', ';', ':', '!', '?']);
+            let after = &start[word.len()..];
+            let ends = after.contains(['.', ',', ';', ':', '!', '?']);
             let found = word.chars().all(is_part).then(|| spelling(word)).flatten();
             let Some((key, case)) = found else {
                 before = None;
@@ -117,7 +117,7 @@ impl Counts {
             }
             earlier = before.filter(|_| !ends);
             before = if ends {
-                behind.starts_with(',').then(|| COMMA.to_owned())
+                after.starts_with(',').then(|| COMMA.to_owned())
             } else {
                 Some(key)
             };

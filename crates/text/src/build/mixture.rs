@@ -288,10 +288,10 @@ impl Sources<'_> {
             let pair = *pairs.get(&earlier)?.find(before)?;
             let frequency = self.frequency(earlier) * pair.probability;
             let (rest, share) = (tally.rest(), self.share(&[earlier, before], &tally));
-            let behind = pairs.get(&before);
+            let following = pairs.get(&before);
             let entry = |&node: &u32| {
                 let alone = self.alone(node);
-                let shorter = behind.map_or(alone, |row| row.probability(node, alone));
+                let shorter = following.map_or(alone, |row| row.probability(node, alone));
                 let counted = tally.seen(node) + rest * shorter;
                 let other = self.other.three(earlier, before, node);
                 let probability = counted + share * (other - counted);

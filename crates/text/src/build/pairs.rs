@@ -173,9 +173,9 @@ mod tests {
             let sections = build(mixture(), &alone, room);
             let size: usize = sections.iter().map(Vec::len).sum();
             assert!(size <= room, "{size} of {room} bytes");
-            let behind_san = &kept.pairs[&indices["san"]].entries;
-            assert_eq!(behind_san.len(), 1, "{room} bytes");
-            assert_eq!(behind_san[0].node, indices["jose"], "{room} bytes");
+            let after_san = &kept.pairs[&indices["san"]].entries;
+            assert_eq!(after_san.len(), 1, "{room} bytes");
+            assert_eq!(after_san[0].node, indices["jose"], "{room} bytes");
             // The weight of a row stands for what was left out.
             for row in kept.pairs.values() {
                 let inside: f64 = row.entries.iter().map(|entry| entry.probability).sum();

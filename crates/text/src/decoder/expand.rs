@@ -242,11 +242,11 @@ impl Expansion<'_, '_> {
         let most = partial.token.score + self.language((alone + GAIN).min(0.0) - contents.best());
         let missing = self.options.missing_space + self.best(ROOT);
         let joint = if self.is_sign { JOINT } else { missing };
-        let behind = self
+        let following = self
             .touches
             .separator()
             .max(missing.max(joint) + self.touches.likeliest());
-        if most + behind + SLACK <= self.beam.limit() {
+        if most + following + SLACK <= self.beam.limit() {
             return None;
         }
         let word = self.model.bigrams.after(partial.token.row, node, alone);

@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sentence_starts_behind_a_period_in_a_model_without_pairs_of_words() {
+    fn a_sentence_starts_after_a_period_in_a_model_without_pairs_of_words() {
         let touch = TouchModel::new(Prior::default());
         let mut decoder = decoder("cat", &row("cat ."), touch);
         for (text, shown) in [("cat. ", "Cat. "), ("cat ", "Cat "), ("cat ", "cat ")] {

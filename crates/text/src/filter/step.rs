@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn letters_behind_the_pressed_one_are_typed_with_it() {
+    fn letters_after_the_pressed_one_are_typed_with_it() {
         let keys = phone_keys();
         let [first, second] = ["M", "A"].map(key);
         let none = PressedKeys::default();
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shift_that_is_held_comes_up_for_edits_behind_values_but_not_behind_presses() {
+    fn a_shift_that_is_held_comes_up_for_edits_after_values_but_not_after_presses() {
         let keys = phone_keys();
         let mut held = PressedKeys::default();
         held.press(KeyCode::SHIFT_LEFT);

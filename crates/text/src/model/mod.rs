@@ -114,8 +114,8 @@ impl<'a> Model<'a> {
         }
         let mut rest = &bytes[HEADER_BYTES..];
         let sections = sizes.map(|size| {
-            let (section, behind) = rest.split_at(size as usize);
-            rest = behind;
+            let (section, following) = rest.split_at(size as usize);
+            rest = following;
             section
         });
         let [

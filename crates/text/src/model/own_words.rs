@@ -113,14 +113,14 @@ impl OwnWords {
             while start < end {
                 let symbol = self.words[start].letters[depth];
                 let same = |word: &OwnWord| word.letters[depth] == symbol;
-                let behind = start + self.words[start..end].partition_point(same);
+                let group_end = start + self.words[start..end].partition_point(same);
                 self.queue.push(Open {
                     start: start as u16,
-                    end: behind as u16,
+                    end: group_end as u16,
                     depth: open.depth + 1,
                     symbol,
                 });
-                start = behind;
+                start = group_end;
             }
             let node = Node::new(first_child, open.symbol, byte, word_byte, case);
             self.nodes.push(node);

@@ -300,11 +300,11 @@ impl Swipes {
     /// Adds the word that ends at a place, if it is among the best.
     fn add(&mut self, context: &Context, place: &Place, alone: f32) {
         let row = &self.rows[(place.depth - 1) * MAX_SAMPLES..];
-        let (mut behind, mut cost) = (0.0, f32::INFINITY);
+        let (mut tail, mut cost) = (0.0, f32::INFINITY);
         let rest = self.between(place.key, place.key);
         for (&until, &after) in row.iter().zip(rest).rev() {
-            cost = cost.min(until + behind);
-            behind += after;
+            cost = cost.min(until + tail);
+            tail += after;
         }
         if cost - context.language * (alone + GAIN).min(0.0) > self.limit {
             return;

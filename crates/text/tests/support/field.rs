@@ -10,7 +10,7 @@ use ademan_text::{
 
 use super::simulated::{PITCH, keyboard};
 
-/// A text field behind a corrector.
+/// A text field after a corrector.
 pub struct Field<'m> {
     pub corrector: Corrector<'m>,
     pub keyboard: Keyboard,

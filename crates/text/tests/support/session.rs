@@ -156,7 +156,7 @@ pub fn decode(model: &Model, keyboard: &Keyboard, prior: Prior, phrases: &[Phras
     read.into_iter().map(|read| read.shown).collect()
 }
 
-/// Returns the texts that stay in a text field behind a corrector, when the phrases are typed one after another, each followed by a
+/// Returns the texts that stay in a text field after a corrector, when the phrases are typed one after another, each followed by a
 /// space that is hit.
 pub fn correct(
     model: &Model,

@@ -263,22 +263,22 @@ pub fn measure(
         alone: fresh(),
         nearest: fresh(),
     };
-    let (mut behind, mut alone) = (decoder(), decoder());
+    let (mut following, mut alone) = (decoder(), decoder());
     alone.start_anywhere();
     for seed in seeds {
         let mut person = Swiper::new(scatter, seed);
         for (index, phrase) in phrases.iter().enumerate() {
-            behind.start_sentence();
+            following.start_sentence();
             for word in super::phrases::words(phrase) {
                 if let Some(path) = person.swipes(word) {
-                    let texts = behind.swipe(path.points(), false).iter();
+                    let texts = following.swipe(path.points(), false).iter();
                     measured.decoded[index].add(word, texts.map(|it| it.text.as_str()));
                     let lone_texts = alone.swipe(path.points(), false).iter();
                     measured.alone[index].add(word, lone_texts.map(|it| it.text.as_str()));
                     let reference_texts = reference.read(&path).into_iter();
                     measured.nearest[index].add(word, reference_texts);
                 }
-                behind.commit_text(Some(word));
+                following.commit_text(Some(word));
             }
         }
     }

@@ -58,7 +58,7 @@ pub struct ConditionArgs {
     /// Text to type instead: a file with one phrase on each line
     #[arg(long, value_name = "FILE", conflicts_with = "phrases")]
     text: Option<PathBuf>,
-    /// Text decoder behind the devices, compared with other readings of the same taps: off, literal, suggest or auto, with another
+    /// Text decoder after the devices, compared with other readings of the same taps: off, literal, suggest or auto, with another
     /// language as in auto:es
     #[arg(long, value_name = "MODE", default_value = "off")]
     decoder: DecoderArg,

@@ -235,7 +235,7 @@ pub fn print_comparison(comparison: &Comparison, out: &mut impl Write) -> io::Re
     writeln!(out, "{}", escape(&comparison.verdict()))
 }
 
-/// Returns the noun behind a number of people.
+/// Returns the noun after a number of people.
 pub(super) fn people(count: usize) -> &'static str {
     if count == 1 { "person" } else { "people" }
 }

@@ -49,7 +49,7 @@ fn push_wrapped(line: &str, columns: usize, wrapped: &mut String) {
     }
 }
 
-/// Splits a line into words, each with the blanks behind it.
+/// Splits a line into words, each with the blanks after it.
 fn words(line: &str, columns: usize) -> Vec<&str> {
     let mut words = Vec::new();
     let mut rest = line;

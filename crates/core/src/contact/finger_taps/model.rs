@@ -27,7 +27,7 @@ const LEAST_MOVEMENT: f32 = 0.14;
 
 /// The first moment that networks see, in pictures from the onset. Those with convolutions see as many as a clip has.
 const FIRST_MOMENT: isize = -6;
-/// The moments that the other networks see, among them: from the fourth picture before the onset to the seventh behind it.
+/// The moments that the other networks see, among them: from the fourth picture before the onset to the seventh after it.
 const DENSE_MOMENTS: std::ops::Range<usize> = 2..14;
 /// The layers of a network: three convolutions of three pictures and two layers, or three layers.
 const CONVOLVED_LAYERS: usize = 5;
@@ -176,7 +176,7 @@ impl Network {
     fn convolved(&self, numbers: &[f32]) -> Vec<f32> {
         let mut pictures = self.centered(numbers);
         for (index, layer) in self.layers[..CONVOLUTIONS].iter().enumerate() {
-            // The picture before the first one and the one behind the last one are 0.
+            // The picture before the first one and the one after the last one are 0.
             let edge = vec![0.0; pictures.len() / PICTURES];
             let padded = [&edge[..], &pictures, &edge].concat();
             let mut outputs = Vec::with_capacity(PICTURES * layer.outputs());

@@ -224,7 +224,7 @@ impl KeyArbiter {
         keys.any(|key| key.is_modifier && !key.code.is_shift())
     }
 
-    /// Taps Backspace without Shift, which the letter behind it presses again.
+    /// Taps Backspace without Shift, which the letter after it presses again.
     fn delete_letter(&mut self, side: Side, time: Timestamp, events: &mut Events) {
         for index in (0..self.pressed_keys.len()).rev() {
             let code = self.pressed_keys[index].code;

@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn a_press_of_the_person_ends_it_behind_the_release_of_its_keys() {
+    fn a_press_of_the_person_ends_it_after_the_release_of_its_keys() {
         for (action, expected) in [
             (KeyAction::Key(key("Q")), "-ControlLeft +Q"),
             (KeyAction::Key(key("MouseLeft")), "-ControlLeft +MouseLeft"),

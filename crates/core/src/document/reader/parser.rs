@@ -15,7 +15,7 @@ pub(super) struct Passed<'p, P: ?Sized>(pub &'p mut P);
 
 /// A part of the parser, passed to a type, and the error that it returned.
 struct Held<P, E> {
-    /// `None` behind a use that consumes it.
+    /// `None` after a use that consumes it.
     part: Option<P>,
     error: Option<E>,
 }
@@ -204,7 +204,7 @@ impl<'de, A: MapAccess<'de>> Entries<'de> for Held<A, A::Error> {
     }
 }
 
-/// A value of an enumeration: its name, and its contents behind the name.
+/// A value of an enumeration: its name, and its contents after the name.
 struct HeldEnum<'de, A: EnumAccess<'de>> {
     name: Held<A, A::Error>,
     contents: Option<A::Variant>,

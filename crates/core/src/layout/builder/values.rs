@@ -9,7 +9,7 @@ use crate::device::value_output::NamedValue;
 use crate::document::line_number;
 
 impl LayoutBuilder<'_> {
-    /// Registers the values of controls that have several, behind all other targets. Reports names that are taken.
+    /// Registers the values of controls that have several, after all other targets. Reports names that are taken.
     pub fn add_values(&mut self) {
         let mut next = self.sources.len() as u32;
         let mut controls = std::mem::take(&mut self.controls);

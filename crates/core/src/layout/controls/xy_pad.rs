@@ -84,7 +84,7 @@ impl<'a> XyPadSchema<'a> {
             margin: DRAG_MARGIN,
             ..builder.face_spec("XY pad", self.name, &self.label, self.at_mm)
         };
-        // The builder numbers the values behind all targets that fingertips touch.
+        // The builder numbers the values after all targets that fingertips touch.
         let values = DIRECTIONS.map(|direction| NamedValue {
             name: format!("{} {direction}", self.name.text),
             target: TargetId(u32::MAX),

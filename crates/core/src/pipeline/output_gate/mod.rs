@@ -88,7 +88,7 @@ impl OutputGate {
             let hand = hand_of(event.kind).min(Side::COUNT - 1);
             let source = hand.min(self.sources.len() - 1);
             if self.insert_early_release(source, index, events) {
-                // The next turn handles the release, a later one the press behind it.
+                // The next turn handles the release, a later one the press after it.
                 has_early_release = true;
                 continue;
             }

@@ -37,7 +37,7 @@ pub fn answer(stream: &mut impl Write, is_admitted: bool) -> io::Result<()> {
     stream.flush()
 }
 
-/// Receives the answer of a server, and no byte behind it. Returns `true` if the client is admitted.
+/// Receives the answer of a server, and no byte after it. Returns `true` if the client is admitted.
 pub fn receive_answer(stream: &mut impl Read) -> io::Result<bool> {
     let mut answer = [0; OK.len()];
     stream.read_exact(&mut answer)?;
@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_token_and_its_answer_pass_and_no_byte_behind_them_is_read() {
+    fn a_token_and_its_answer_pass_and_no_byte_after_them_is_read() {
         let token = Token::generate().unwrap();
         let mut bytes = Vec::new();
         send(&mut bytes, &token).unwrap();

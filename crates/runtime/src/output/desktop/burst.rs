@@ -179,8 +179,8 @@ mod tests {
         let burst = strokes(&[&tap("Backspace")[..], &[character(1, 'é')]].concat());
         assert!(replaces(&burst));
         assert_eq!((count_presses(&burst), text(&burst)), (2, "é".to_owned()));
-        let behind_a_letter = [tap("A"), tap("Backspace")].concat();
-        assert!(replaces(&strokes(&behind_a_letter)));
+        let after_a_letter = [tap("A"), tap("Backspace")].concat();
+        assert!(replaces(&strokes(&after_a_letter)));
         assert!(!replaces(&strokes(&[tap("A"), tap("B")].concat())));
     }
 }

@@ -67,7 +67,7 @@ impl Desktop {
         })
     }
 
-    /// Sends text behind the keys so far.
+    /// Sends text after the keys so far.
     pub(in crate::output) fn compose(&mut self, composing: Composing) -> Result<(), OutputError> {
         let characters = composing.characters();
         if !self.accept_presses(characters, characters)? {

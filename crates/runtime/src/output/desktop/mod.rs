@@ -87,7 +87,7 @@ const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 /// Neighboring taps and characters with one time are a burst, which arrives entirely or not at all: a text, a correction. While the
 /// queue is more than half full, presses and bursts are dropped and [counted](Sink::dropped_presses), as are those that the display
 /// has not executed within 250 ms or that a [call](Sink::void_presses) made void, bursts that the display cannot type now, and
-/// bursts that would delete text in a window that got the focus since the last press or, on X11, behind a press of another keyboard
+/// bursts that would delete text in a window that got the focus since the last press or, on X11, after a press of another keyboard
 /// or mouse, which is noticed once the field was [asked for](Sink::text_field). After
 /// a dropped press, and after the watchdog has released keys, the sink [has stalled](Sink::has_stalled). With a watchdog,
 /// [`send`](Sink::send) must be called at least every 50 ms while a key is pressed: after some 200 ms without a call the sink

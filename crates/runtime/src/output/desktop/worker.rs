@@ -437,7 +437,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Performs an action if its ticket is valid. It is not repeated, as one that failed may have arrived. Late motion of the pointer
-    /// is performed, too: a click behind it may be in time, and relies on its position.
+    /// is performed, too: a click after it may be in time, and relies on its position.
     fn perform(&mut self, action: StatelessAction, ticket: PressTicket) {
         let is_wheel = matches!(action, StatelessAction::Scroll(..));
         let is_valid = if is_wheel {

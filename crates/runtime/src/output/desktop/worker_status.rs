@@ -20,7 +20,7 @@ pub struct WorkerStatus {
     /// The validity of queued presses.
     pub tickets: PressTickets,
     /// Number of presses and characters that were not sent because their tickets were void, the display cannot type the
-    /// text, or a burst would have deleted text in another window or behind a press of another device.
+    /// text, or a burst would have deleted text in another window or after a press of another device.
     pub void_presses: AtomicU64,
     /// The generation of the field that has the focus: another number for each window, and after each press of another device.
     pub field: AtomicU32,

@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_without_a_character_and_shortcuts_are_keys_behind_the_word() {
+    fn keys_without_a_character_and_shortcuts_are_keys_after_the_word() {
         let steps: [(&[OutputEvent], Way); 3] = [
             (
                 &[down(1, "A"), up(1, "A"), down(1, "Enter"), up(1, "Enter")],

@@ -54,7 +54,7 @@ fn file_path(process: u32, number: u32) -> Option<PathBuf> {
 pub struct PressedKeyFile {
     file: LockedFile,
     path: PathBuf,
-    /// Position of the keysyms, behind the name of the display.
+    /// Position of the keysyms, after the name of the display.
     keysyms: u64,
     is_abandoned: AtomicBool,
 }
@@ -90,7 +90,7 @@ impl PressedKeyFile {
         let _ = fs::remove_file(&unnamed);
         let file = files::create_private(&unnamed).map_err(io::Error::other)?;
         let file = LockedFile::try_lock(file)?;
-        // All bytes are written, so that a full disk shows here and not at a press. Behind the name is a NUL.
+        // All bytes are written, so that a full disk shows here and not at a press. After the name is a NUL.
         let content = [&[0; KEY_COUNT], display.as_bytes(), &[0; 1 + KEYSYMS]].concat();
         let written = file
             .write_all_at(&content, 0)

@@ -259,7 +259,7 @@ fn reason_of_end(words: String, is_stopped: bool, is_replaced: bool) -> String {
     }
 }
 
-/// A request with the bytes behind it, or the answer that refuses it.
+/// A request with the bytes after it, or the answer that refuses it.
 type Received = Result<(Request, Vec<u8>), Vec<u8>>;
 
 /// Receives a request.

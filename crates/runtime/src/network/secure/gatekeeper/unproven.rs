@@ -12,7 +12,7 @@ use crate::network::secure::tls_stream::ServerStream;
 use crate::network::secure::token::Token;
 use crate::network::{DeadlineStream, TokenEntry};
 
-/// A connection behind the handshake of TLS whose client has shown no token. It counts as a handshake until it is dropped.
+/// A connection after the handshake of TLS whose client has shown no token. It counts as a handshake until it is dropped.
 pub struct Unproven(Handshake);
 
 impl Gatekeeper {

@@ -48,7 +48,7 @@ fn a_correction_that_becomes_void_while_the_display_does_not_respond_deletes_not
 }
 
 #[test]
-fn a_key_behind_a_text_that_cannot_be_typed_is_not_sent() {
+fn a_key_after_a_text_that_cannot_be_typed_is_not_sent() {
     let (display, mut sink) = open_responding();
     sink.send(&characters(1, "é")).unwrap();
     sink.send(&tap(2, "Enter")).unwrap();
@@ -126,7 +126,7 @@ fn press_another_keyboard() -> (TestDisplay, Desktop) {
 }
 
 #[test]
-fn a_correction_deletes_nothing_behind_a_press_of_another_device() {
+fn a_correction_deletes_nothing_after_a_press_of_another_device() {
     let (display, mut sink) = press_another_keyboard();
     sink.send(&correction(3, "b")).unwrap();
     direct::wait_until_idle(&sink);

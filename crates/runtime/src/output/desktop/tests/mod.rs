@@ -277,7 +277,7 @@ fn a_press_that_has_waited_too_long_is_not_sent() {
     thread::sleep(Duration::from_millis(1));
     drop(gate);
     sink.close().unwrap();
-    // The pointer moves all the same: a click behind it may be in time.
+    // The pointer moves all the same: a click after it may be in time.
     assert_eq!(display.lines(), ["MoveBy(1, 0)"]);
     assert_eq!(sink.dropped_presses(), 2);
 }

@@ -293,7 +293,7 @@ impl Dispatch<ZwpInputMethodV2, ()> for Reader {
             } => {
                 // A selection is replaced by what is typed.
                 let before = text.get(..cursor.min(anchor) as usize);
-                reader.pending_place = before.map_or(Place::Unknown, Place::behind);
+                reader.pending_place = before.map_or(Place::Unknown, Place::at_end_of);
             }
             // The cause of the last change of the text.
             _ => {}
