@@ -1,10 +1,11 @@
-//! The file of the settings. Only the thread of the window reads and writes it.
+//! The file of the settings. A write waits for the disk, so that a thread of its own makes it while the window is open.
 
 use std::fs;
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::mem;
 use std::path::{Path, PathBuf};
 
+use super::playback::{Job, JobLost};
 use super::settings::Settings;
 use ademan_core::message::escape_path;
 use ademan_runtime::files::{self, FileError};
@@ -27,13 +28,23 @@ pub enum SettingsError {
 }
 
 /// The file, or none: then nothing is remembered.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct SettingsFile {
     path: Option<PathBuf>,
     /// The content of the file, or of the last attempt to write it.
     saved: Settings,
     /// Time of the last write, in seconds of the window.
     written_at: f64,
+    /// The last write, until it has ended.
+    writing: Option<Job<Result<(), String>>>,
+}
+
+/// Settings that are to be written.
+struct Write {
+    path: PathBuf,
+    settings: Settings,
+    /// The settings that were written before.
+    before: Settings,
 }
 
 impl SettingsFile {
@@ -59,32 +70,72 @@ impl SettingsFile {
             path: Some(path),
             saved: settings.clone(),
             written_at: f64::MIN,
+            writing: None,
         };
         (file, settings, error)
     }
 
-    /// Writes settings that have changed, unless the last write was less than 5 s ago. `now` is in seconds.
+    /// Writes settings that have changed, on a thread of its own, unless the last write was less than 5 s ago or has not ended. Returns
+    /// the error of the last write. `now` is in seconds.
     pub fn save_at(&mut self, now: f64, settings: &Settings) -> Result<(), SettingsError> {
+        if let Some(writing) = &self.writing {
+            let Some(written) = writing.poll() else {
+                return Ok(());
+            };
+            self.writing = None;
+            self.check(written)?;
+        }
         if now - self.written_at < WRITE_PERIOD {
             return Ok(());
         }
-        if *settings != self.saved {
+        if let Some(write) = self.next_write(settings) {
             self.written_at = now;
+            self.writing = Some(Job::start(|| write.run()));
         }
-        self.save(settings)
+        Ok(())
     }
 
-    /// Writes settings that have changed. Recent files that another window has written are kept, and so is a file that cannot be read:
-    /// its name ends in `.broken` then.
+    /// Writes settings that have changed, and waits until they are on the disk. Recent files that another window has written are kept, and
+    /// so is a file that cannot be read: its name ends in `.broken` then.
     pub fn save(&mut self, settings: &Settings) -> Result<(), SettingsError> {
-        let Some(path) = self.path.as_ref().filter(|_| *settings != self.saved) else {
-            return Ok(());
-        };
+        let last = self.finish();
+        match self.next_write(settings) {
+            Some(write) => self.check(Ok(write.run())),
+            None => last,
+        }
+    }
+
+    /// Waits for the last write, and returns its error.
+    fn finish(&mut self) -> Result<(), SettingsError> {
+        match self.writing.take() {
+            Some(writing) => self.check(writing.wait()),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the write of settings that have changed, which counts as made.
+    fn next_write(&mut self, settings: &Settings) -> Option<Write> {
+        let path = self.path.clone().filter(|_| *settings != self.saved)?;
         // A disk that is full is reported once, and tried again after the next change.
         let before = mem::replace(&mut self.saved, settings.clone());
-        let kept = kept_beside(path, settings, &before);
-        let written = kept.and_then(|merged| write(path, &merged));
-        written.map_err(|reason| SettingsError::Write(reason, path.clone()))
+        Some(Write {
+            path,
+            settings: settings.clone(),
+            before,
+        })
+    }
+
+    /// Returns the error of a write.
+    fn check(&self, written: Result<Result<(), String>, JobLost>) -> Result<(), SettingsError> {
+        let result = written.unwrap_or_else(|lost| Err(lost.to_string()));
+        result.map_err(|reason| SettingsError::Write(reason, self.path.clone().unwrap_or_default()))
+    }
+}
+
+impl Write {
+    fn run(self) -> Result<(), String> {
+        let merged = kept_beside(&self.path, &self.settings, &self.before)?;
+        write(&self.path, &merged)
     }
 }
 
@@ -126,25 +177,12 @@ fn broken_name(path: &Path) -> PathBuf {
     name(number)
 }
 
-/// Writes another file beside this one and renames it, so that a reader finds the old or the new content.
+/// Writes the file. A reader finds the old or the new content, also after a loss of power.
 fn write(path: &Path, settings: &Settings) -> Result<(), String> {
     let config = ron::ser::PrettyConfig::default();
     let text = ron::ser::to_string_pretty(settings, config).map_err(|error| error.to_string())?;
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(|error| error.to_string())?;
-    }
-    // Two windows write two files.
-    let temporary = path.with_extension(format!("{}.new", std::process::id()));
-    let written = files::replace_private(&temporary).and_then(|mut file| {
-        file.write_all(text.as_bytes())?;
-        fs::rename(&temporary, path)?;
-        Ok(())
-    });
-    written.map_err(|error| {
-        // The error of the write says more than one of this.
-        _ = fs::remove_file(&temporary);
-        error.to_string()
-    })
+    fs::create_dir_all(files::folder_of(path)).map_err(|error| error.to_string())?;
+    files::replace_private_text(path, &text).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]
@@ -237,10 +275,23 @@ mod tests {
         let scale = || SettingsFile::open(path.clone()).1.scale;
         let (mut file, ..) = SettingsFile::open(path.clone());
         file.save_at(10.0, &scaled(1.25)).expect("a write");
+        file.finish().expect("the write");
         file.save_at(12.0, &scaled(1.5)).expect("no write");
+        file.finish().expect("no write");
         assert_eq!(scale(), 1.25);
         file.save_at(15.0, &scaled(1.5)).expect("a write");
+        file.finish().expect("the write");
         assert_eq!(scale(), 1.5);
+    }
+
+    #[test]
+    fn the_last_settings_are_on_the_disk_although_a_write_has_not_ended() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("studio.ron");
+        let (mut file, ..) = SettingsFile::open(path.clone());
+        file.save_at(10.0, &scaled(1.25)).expect("a write");
+        file.save(&scaled(1.5)).expect("a write");
+        assert_eq!(SettingsFile::open(path).1, scaled(1.5));
     }
 
     #[test]
@@ -250,5 +301,8 @@ mod tests {
         fs::write(folder.path().join("no-folder"), "a file").expect("a write");
         assert!(file.save(&scaled(1.5)).is_err());
         assert!(file.save(&scaled(1.5)).is_ok());
+        assert!(file.save_at(10.0, &scaled(2.0)).is_ok(), "it is written");
+        assert!(file.finish().is_err());
+        assert!(file.save(&scaled(2.0)).is_ok());
     }
 }

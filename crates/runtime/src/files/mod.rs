@@ -228,13 +228,6 @@ fn open_own(path: &Path, open: fn(&Path) -> io::Result<File>) -> Result<File, Fi
     Ok(file)
 }
 
-/// Opens a file as [`open_private`] does, and removes its content.
-pub fn replace_private(path: &Path) -> Result<File, FileError> {
-    let file = open_private(path)?;
-    file.set_len(0)?;
-    Ok(file)
-}
-
 /// Returns the number of bytes that the user may still write on the disk of a file, which need not exist. `None` if the system does
 /// not report it.
 pub fn free_bytes(path: &Path) -> Option<u64> {

@@ -34,6 +34,11 @@ impl<T: Send + 'static> Job<T> {
             Err(TryRecvError::Disconnected) => Some(Err(JobLost)),
         }
     }
+
+    /// Waits for the result, unless [`poll`](Self::poll) has returned it, or returns the reason why there is none.
+    pub fn wait(self) -> Result<T, JobLost> {
+        self.result.recv().map_err(|_| JobLost)
+    }
 }
 
 #[cfg(test)]
@@ -47,5 +52,11 @@ mod tests {
         assert_eq!(job.poll(), None);
         drop(sender);
         assert_eq!(job.poll(), Some(Err(JobLost)));
+        assert_eq!(job.wait(), Err(JobLost));
+    }
+
+    #[test]
+    fn the_result_of_work_is_waited_for() {
+        assert_eq!(Job::start(|| 3).wait(), Ok(3));
     }
 }
