@@ -10,10 +10,10 @@ use super::shortcuts::is_asked;
 use crate::editor::LayoutEditor;
 use crate::recent::RecentFiles;
 use crate::texts::text;
-use ademan_core::document::{Document, shipped_layouts};
+use ademan_core::document::{Document, FileKind, shipped_layouts};
 use ademan_core::layout::Wearer;
 use ademan_core::message::escape_path;
-use ademan_runtime::files::{self, FileError};
+use ademan_runtime::files::{self, FileError, OpenDocument};
 use ademan_runtime::layout_link::{LOCAL_PAGE, share_layout};
 
 /// Width of the question, in points.
@@ -146,6 +146,17 @@ impl EditorPanel {
     }
 }
 
+/// Returns the layout that is meant by words for which there is no layout: the only one that comes with the program and has them in its
+/// name. Other words are a name.
+fn meant(words: &str) -> String {
+    let part = words.to_lowercase();
+    let mut found = shipped_layouts().filter(|name| name.contains(&part));
+    match (found.next(), found.next()) {
+        (Some(only), None) if Document::open_kind(FileKind::Layout, words).is_err() => only.into(),
+        _ => words.into(),
+    }
+}
+
 fn write_new(path: &Path, content: &[u8]) -> Result<(), String> {
     files::write_new(path, content).map_err(|error| match error {
         FileError::Exists => text("editor-export-exists").to_owned(),
@@ -207,9 +218,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
             field.request_focus();
         }
         if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
-            chosen = Some(question.query.trim().to_owned());
+            chosen = Some(meant(question.query.trim()));
         }
-        let area = egui::ScrollArea::vertical().max_height(260.0);
+        // The field stays where it is while a part of a name leaves fewer rows.
+        let area = egui::ScrollArea::vertical()
+            .max_height(260.0)
+            .auto_shrink(false);
         area.show(ui, |ui| {
             let query = question.query.trim().to_lowercase();
             is_empty = query.is_empty()
@@ -269,6 +283,22 @@ mod tests {
         assert_eq!(panel.message, None);
         panel.open_empty();
         assert_eq!(panel.message, None);
+    }
+
+    #[test]
+    fn a_part_of_one_name_is_the_layout_and_other_words_are_a_name() {
+        let (_folder, path) = file(TWO_KEYS);
+        for (words, expected) in [
+            ("numpa", "numpad"),
+            ("NumPa", "numpad"),
+            ("qwerty-flat", "qwerty-flat"),
+            ("qwerty", "qwerty"),
+            ("no-such-layout", "no-such-layout"),
+            ("", ""),
+            (path.as_str(), path.as_str()),
+        ] {
+            assert_eq!(meant(words), expected);
+        }
     }
 
     #[test]
