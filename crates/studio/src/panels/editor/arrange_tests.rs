@@ -146,6 +146,24 @@ fn a_key_is_repeated_along_an_arc_from_the_menu_in_one_step_of_undo() {
 }
 
 #[test]
+fn copies_beyond_the_picture_are_shown() {
+    let mut window = Window::open();
+    window.click_board(0.0);
+    open_repetitions(&mut window);
+    window.click_field(Role::SpinButton, text("editor-columns"));
+    window.write("40");
+    window.press(Modifiers::NONE, Key::Enter);
+    window.click_button(text("editor-repeat-now"));
+    window.harness.run_steps(2);
+    let panel = window.panel();
+    assert_eq!(panel.selected.len(), 40);
+    let copies = panel.selected_bounds().unwrap();
+    let seen = panel.viewport.visible(panel.canvas_size).unwrap();
+    let is_seen = seen.min.cmple(copies.min).all() && seen.max.cmpge(copies.max).all();
+    assert!(is_seen, "{copies:?} in {seen:?}");
+}
+
+#[test]
 fn the_proposed_angle_keeps_the_gap_of_a_row_at_the_near_corners() {
     let one_key = TWO_KEYS.replace("                (code: \"B\", at_mm: (40, 0)),\n", "");
     let mut window = Window::on_text(&one_key, 700.0);

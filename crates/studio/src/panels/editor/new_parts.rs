@@ -252,7 +252,7 @@ impl EditorPanel {
     }
 
     /// Shows the controls that were added and are selected now, unless they are in the picture already.
-    fn show_added(&mut self) {
+    pub(super) fn show_added(&mut self) {
         self.update_items();
         let shapes = self.selected.shapes(&self.items.items);
         let added = Bounds::around(shapes.iter().map(|(_, shape)| shape));

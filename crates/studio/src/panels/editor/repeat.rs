@@ -68,6 +68,15 @@ impl EditorPanel {
             self.repeat.arc_step_deg = f64::from(step.to_degrees().min(180.0).round());
         }
     }
+
+    /// Makes an edit that repeats what is selected, and shows all copies.
+    fn repeat_and_show(&mut self, edit: &Edit) {
+        let before = self.editor.revision();
+        self.apply(edit);
+        if self.editor.revision() != before {
+            self.show_added();
+        }
+    }
 }
 
 /// Shows the menu of the repetitions.
@@ -92,7 +101,7 @@ fn show_menu(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     show_grid(ui, &mut panel.repeat);
     if ui.button(text("editor-repeat-now")).clicked() {
         let parts = panel.selected_parts();
-        panel.apply(&Edit::Repeat {
+        panel.repeat_and_show(&Edit::Repeat {
             parts,
             count: panel.repeat.count,
             pitch_mm: panel.repeat.pitch_mm,
@@ -107,7 +116,7 @@ fn show_menu(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         .clicked()
     {
         let parts = panel.selected_parts();
-        panel.apply(&Edit::RepeatAlongArc {
+        panel.repeat_and_show(&Edit::RepeatAlongArc {
             parts,
             count: panel.repeat.arc_count,
             step_deg: panel.repeat.arc_step_deg,
