@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, Key};
 
+use super::look;
 use crate::texts::text;
 
 /// Width of the button with the space before it, in points.
@@ -18,7 +19,10 @@ pub(super) fn show(
 ) -> Option<String> {
     let label = ui.label(text(label));
     let field = egui::TextEdit::singleline(path).desired_width(width - BUTTON_WIDTH);
-    let row = ui.horizontal(|ui| is_confirmed(ui, field, &label, button));
+    let row = ui.horizontal(|ui| {
+        look::draw_lines(ui);
+        is_confirmed(ui, field, &label, button)
+    });
     confirmed(row.inner, path)
 }
 

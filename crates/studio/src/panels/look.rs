@@ -67,10 +67,10 @@ pub(super) fn scene_colors(visuals: &Visuals) -> SceneColors {
 }
 
 fn increase_contrast(visuals: &mut Visuals) {
-    let (paper, ink) = if visuals.dark_mode {
-        (Color32::BLACK, Color32::WHITE)
+    let (paper, ink, mark) = if visuals.dark_mode {
+        (Color32::BLACK, Color32::WHITE, Color32::from_gray(0x5c))
     } else {
-        (Color32::WHITE, Color32::BLACK)
+        (Color32::WHITE, Color32::BLACK, Color32::from_gray(0x94))
     };
     visuals.override_text_color = Some(ink);
     visuals.weak_text_color = Some(ink);
@@ -90,6 +90,17 @@ fn increase_contrast(visuals: &mut Visuals) {
         widget.bg_stroke = Stroke::new(1.0, ink);
         widget.fg_stroke = Stroke::new(1.5, ink);
         widget.weak_bg_fill = paper;
+    }
+    // A menu draws no lines around what is below the mouse or has the focus.
+    for widget in [&mut widgets.hovered, &mut widgets.active] {
+        widget.weak_bg_fill = mark;
+    }
+}
+
+/// Draws fields and buttons of a menu with their lines in high contrast: without a line, a field is not seen.
+pub(super) fn draw_lines(ui: &mut egui::Ui) {
+    if ui.visuals().override_text_color.is_some() {
+        ui.reset_style();
     }
 }
 
@@ -160,6 +171,44 @@ mod tests {
         };
         let [a, b] = [luminance(a), luminance(b)].map(|it| it + 0.05);
         a.max(b) / a.min(b)
+    }
+
+    #[test]
+    fn what_the_mouse_is_over_or_has_the_focus_is_seen_without_a_line_in_high_contrast() {
+        let settings = Settings {
+            has_high_contrast: true,
+            ..Settings::default()
+        };
+        for theme in [egui::Theme::Light, egui::Theme::Dark] {
+            let strong = visuals(theme, &settings);
+            let ink = strong.text_color();
+            for widget in [strong.widgets.hovered, strong.widgets.active] {
+                let beside = contrast(widget.weak_bg_fill, strong.window_fill);
+                assert!(beside > 3.0, "{theme:?}: {beside}");
+                let of_words = contrast(widget.weak_bg_fill, ink);
+                assert!(of_words > 4.5, "{theme:?}: {of_words}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_field_in_a_menu_has_a_line_in_high_contrast() {
+        for has_high_contrast in [false, true] {
+            let context = egui::Context::default();
+            let settings = Settings {
+                has_high_contrast,
+                ..Settings::default()
+            };
+            context.set_visuals_of(egui::Theme::Dark, visuals(egui::Theme::Dark, &settings));
+            context.set_theme(egui::Theme::Dark);
+            let output = context.run_ui(egui::RawInput::default(), |ui| {
+                egui::containers::menu::menu_style(ui.style_mut());
+                draw_lines(ui);
+                let line = ui.visuals().widgets.inactive.bg_stroke;
+                assert_eq!(line.width > 0.0, has_high_contrast);
+            });
+            output.drop_without_applying_deltas();
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{self, Popup, PopupCloseBehavior};
 
+use super::super::look;
 use super::{EditorPanel, rounded};
 use crate::canvas::Bounds;
 use crate::editor::{Edit, Part};
@@ -98,6 +99,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, is_enabled: bool)
 
 /// Shows the numbers of the repetitions, and buttons that make them.
 fn show_menu(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    look::draw_lines(ui);
     show_grid(ui, &mut panel.repeat);
     if ui.button(text("editor-repeat-now")).clicked() {
         let parts = panel.selected_parts();
