@@ -25,8 +25,11 @@ use ademan_runtime::files::own_names;
 use ademan_runtime::output::{self, BACKENDS};
 use ademan_runtime::setup::{ArmSetup, LoadedSetup};
 
-/// Width of the content, in points.
+/// Width of the content in a window that has room for it, in points.
 const WIDTH: f32 = 660.0;
+
+/// Width of the frame at both sides of the content, in points.
+const SIDES: f32 = 20.0;
 
 /// Height of the main window above and below the content, in points.
 const MARGIN: f32 = 210.0;
@@ -131,7 +134,7 @@ pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCon
         .collapsible(false)
         .resizable(false)
         .show(ui.ctx(), |ui| {
-            ui.set_width(WIDTH);
+            ui.set_width(width_in(ui.ctx().content_rect().width()));
             ui.label(text("devices-words"));
             if let Some(error) = &window.error {
                 ui.add(egui::Label::new(format!("× {}", escape(error))).wrap());
@@ -148,6 +151,11 @@ pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCon
         window.error = None;
         state.next_setup = chosen;
     }
+}
+
+/// Returns the width of the content in a main window of this width, in points.
+fn width_in(main_window: f32) -> f32 {
+    WIDTH.min(main_window - SIDES)
 }
 
 /// Starts to search for the recordings that are offered beside a source, which is remembered if it is one.
@@ -303,6 +311,34 @@ fn show_profiles(ui: &mut egui::Ui, setup: &LoadedSetup, active: &str, sent: &mu
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_window_fits_into_a_narrow_main_window() {
+        let id = egui::Id::unique("devices in a narrow window");
+        for main_window in [640.0, 1280.0] {
+            let context = egui::Context::default();
+            let size = egui::vec2(main_window, 400.0);
+            let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+            let input = || egui::RawInput {
+                screen_rect: Some(screen),
+                ..egui::RawInput::default()
+            };
+            for _ in 0..3 {
+                let output = context.run_ui(input(), |ui| {
+                    egui::Window::new("devices")
+                        .id(id)
+                        .show(ui.ctx(), |content| {
+                            content.set_width(width_in(main_window));
+                        });
+                });
+                output.drop_without_applying_deltas();
+            }
+            let drawn = context.memory(|memory| memory.area_rect(id));
+            let drawn = drawn.expect("the window");
+            assert!(screen.x_range().contains(drawn.min.x), "{drawn}");
+            assert!(screen.x_range().contains(drawn.max.x), "{drawn}");
+        }
+    }
 
     #[test]
     fn a_copy_of_a_shipped_glove_is_listed_once() {
