@@ -70,7 +70,7 @@ fn show_sources(ui: &mut egui::Ui, first: &mut FirstStart) {
         ui.label(large(text("first-no-port")));
     }
     for port in search.ports() {
-        ui.label(large(&words_of(port)));
+        ui.label(large(&words_of(port, "first-silent")));
         let sources = match &port.heard {
             Some(Ok(Recognition::Sources(sources))) => sources.as_slice(),
             _ => &[],
@@ -110,8 +110,8 @@ pub(super) fn words_of_camera(camera: &Camera) -> String {
     text_with("first-camera", &values)
 }
 
-/// Returns what was heard on a port.
-pub(super) fn words_of(port: &Port) -> String {
+/// Returns what was heard on a port. `silent` is the key of the text about a port that sends nothing, which says how to listen again.
+pub(super) fn words_of(port: &Port, silent: &'static str) -> String {
     let name = ("port", escape(&port.name).into_owned().into());
     match &port.heard {
         None => text_with("first-listening", &[name]),
@@ -119,7 +119,7 @@ pub(super) fn words_of(port: &Port) -> String {
         Some(Ok(Recognition::Unknown(bytes))) => {
             text_with("first-unknown", &[name, ("bytes", (*bytes).into())])
         }
-        Some(Ok(Recognition::Silent)) => text_with("first-silent", &[name]),
+        Some(Ok(Recognition::Silent)) => text_with(silent, &[name]),
         Some(Err(reason)) => text_with(
             "first-closed",
             &[name, ("reason", escape(reason).into_owned().into())],

@@ -37,6 +37,7 @@ devices-unsaved = The glove has changes that are not saved, which would be lost.
 devices-use = Use
 devices-source = Source
 devices-search = Search again
+devices-silent = { $port }: nothing arrives. Switch the glove on, then search again.
 devices-recordings = Recordings, the newest first:
 devices-recording = Recording
 devices-recording-hint = File, such as session.mcap

@@ -37,6 +37,7 @@ devices-unsaved = El guante tiene cambios sin guardar, que se perderían. Guárd
 devices-use = Usar
 devices-source = Fuente
 devices-search = Buscar otra vez
+devices-silent = { $port }: no llega nada. Encienda el guante y busque otra vez.
 devices-recordings = Grabaciones, las más recientes primero:
 devices-recording = Grabación
 devices-recording-hint = Archivo, como sesion.mcap

@@ -18,6 +18,9 @@ use ademan_runtime::capture::uri::schemes;
 use ademan_runtime::capture::{CaptureError, SourceUri};
 use ademan_runtime::setup::LoadedSetup;
 
+/// Key of the text about a port that sends nothing.
+const SILENT: &str = "devices-silent";
+
 /// Shows the sources of this machine, and lets sources on the network press keys. Returns the choice.
 pub(super) fn show(
     ui: &mut egui::Ui,
@@ -51,7 +54,7 @@ pub(super) fn show(
         }
     }
     for port in search.ports() {
-        ui.label(words_of(port));
+        ui.label(words_of(port, SILENT));
         for source in sources_of(port) {
             if ui.radio(false, name_of(&source)).clicked() {
                 chosen = Some(Some(source));
@@ -168,5 +171,27 @@ fn sources_of(port: &Port) -> Vec<SourceUri> {
             source.into_iter().collect()
         }
         Some(Err(_)) | None => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::texts::{Language, set_language};
+
+    #[test]
+    fn a_port_that_is_silent_is_searched_again_in_this_window() {
+        let port = Port {
+            name: "/dev/ttyS0".to_owned(),
+            heard: Some(Ok(Recognition::Silent)),
+        };
+        for (language, again) in [
+            (Language::English, "search again"),
+            (Language::Spanish, "busque otra vez"),
+        ] {
+            set_language(language);
+            let words = words_of(&port, SILENT);
+            assert!(words.contains(again), "{words}");
+        }
     }
 }
