@@ -42,9 +42,14 @@ fn set_theme(context: &egui::Context, theme: Theme) {
 pub(super) fn visuals(theme: egui::Theme, settings: &Settings) -> Visuals {
     let is_dark = theme == egui::Theme::Dark;
     let mut visuals = if is_dark {
-        Visuals::dark()
+        Visuals {
+            // The red of egui is hard to read on both.
+            error_fg_color: Color32::from_rgb(0xff, 0x70, 0x70),
+            ..Visuals::dark()
+        }
     } else {
         Visuals {
+            error_fg_color: Color32::from_rgb(0xb4, 0x00, 0x1e),
             // The orange of egui is hard to read on white.
             warn_fg_color: Color32::from_rgb(0xa8, 0x48, 0x00),
             // So is its weak text.
@@ -208,6 +213,17 @@ mod tests {
                 assert_eq!(line.width > 0.0, has_high_contrast);
             });
             output.drop_without_applying_deltas();
+        }
+    }
+
+    #[test]
+    fn errors_can_be_read_on_light_and_dark() {
+        for theme in [egui::Theme::Light, egui::Theme::Dark] {
+            let shown = visuals(theme, &Settings::default());
+            for fill in [shown.panel_fill, shown.extreme_bg_color] {
+                let found = contrast(shown.error_fg_color, fill);
+                assert!(found > 4.5, "{theme:?}: {found}");
+            }
         }
     }
 
