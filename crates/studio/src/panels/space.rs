@@ -25,6 +25,9 @@ const TYPED_WIDTH: f32 = 10.0;
 /// Distance of the middle of the text so far from the lower edge, in points.
 const TYPED_HEIGHT: f32 = 44.0;
 
+/// Greatest height of a hint, as a fraction of the picture that it covers.
+const MAX_HINT: f32 = 0.3;
+
 /// Sizes of the font in which labels are drawn, in points.
 const FONT_SIZES: [f32; 6] = [10.0, 14.0, 20.0, 28.0, 40.0, 64.0];
 
@@ -190,13 +193,17 @@ pub(super) fn hint_background(background: Color) -> Color32 {
     color32(background).gamma_multiply(0.7)
 }
 
-/// Shows the movements of the mouse at the lower edge, with a background of their own over what is drawn there.
+/// Shows the movements of the mouse at the lower edge, with a background of their own over what is drawn there, unless they would cover
+/// much of it.
 pub(super) fn show_hint(ui: &egui::Ui, area: Rect, hint: &str, background: Color32) {
     let painter = ui.painter_at(area);
     let color = ui.visuals().text_color();
     let font = FontId::proportional(12.0);
     let width = (area.width() - 24.0).max(24.0);
     let hint = painter.layout(hint.to_owned(), font, color, width);
+    if hint.size().y > area.height() * MAX_HINT {
+        return;
+    }
     let at = area.center_bottom() - egui::vec2(0.0, 8.0);
     let place = Align2::CENTER_BOTTOM.anchor_size(at, hint.size());
     painter.rect_filled(place.expand2(egui::vec2(6.0, 2.0)), 4.0, background);
@@ -399,6 +406,21 @@ pub fn color32(Color([red, green, blue, opacity]): Color) -> Color32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_hint_does_not_cover_a_low_view() {
+        for (height, is_shown) in [(300.0, true), (60.0, true), (40.0, false)] {
+            let context = egui::Context::default();
+            let area = Rect::from_min_size(Pos2::ZERO, egui::vec2(400.0, height));
+            let output = context.run_ui(egui::RawInput::default(), |ui| {
+                show_hint(ui, area, "drag: orbit", Color32::BLACK);
+            });
+            let mut shapes = output.shapes.iter();
+            let has_words = shapes.any(|drawn| matches!(drawn.shape, egui::Shape::Text(_)));
+            output.drop_without_applying_deltas();
+            assert_eq!(has_words, is_shown, "{height}");
+        }
+    }
 
     #[test]
     fn a_thin_stroke_is_at_least_a_pixel_high_at_every_size_of_a_label() {
