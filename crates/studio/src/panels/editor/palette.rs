@@ -74,8 +74,6 @@ fn commands(shown: &EditorPanel) -> Vec<Command> {
         command("editor-copy-link", "", EditorPanel::copy_link),
         command("editor-save", "Ctrl-S", |panel, _| _ = panel.save()),
         command("editor-save-as", "", |panel, _| panel.ask_for_path()),
-        command("editor-undo", "Ctrl-Z", |panel, _| panel.undo()),
-        command("editor-redo", "Ctrl-Y", |panel, _| panel.redo()),
         paste_command(),
         command("editor-select-all", "Ctrl-A", |panel, _| panel.select_all()),
         command("editor-fit", "", |panel, _| panel.show_all()),
@@ -84,6 +82,12 @@ fn commands(shown: &EditorPanel) -> Vec<Command> {
             panel.has_rulers = !panel.has_rulers;
         }),
     ];
+    if shown.editor.can_undo() {
+        commands.push(command("editor-undo", "Ctrl-Z", |panel, _| panel.undo()));
+    }
+    if shown.editor.can_redo() {
+        commands.push(command("editor-redo", "Ctrl-Y", |panel, _| panel.redo()));
+    }
     if shown.trial.is_some() {
         commands.push(command("editor-try", "", |panel, _| {
             if let Some(trial) = &mut panel.trial {
@@ -345,6 +349,21 @@ mod tests {
     fn a_command_is_found_by_parts_of_its_name() {
         assert!(is_found("Align left edges", "edg LEFT"));
         assert!(!is_found("Align left edges", "right"));
+    }
+
+    #[test]
+    fn only_edits_that_can_be_undone_or_made_again_are_offered() {
+        let editor = LayoutEditor::empty(Fit::default());
+        let mut panel = EditorPanel::new(editor);
+        let offered = |shown: &EditorPanel| {
+            let names: Vec<String> = commands(shown).into_iter().map(|it| it.name).collect();
+            ["editor-undo", "editor-redo"].map(|key| names.iter().any(|name| name == text(key)))
+        };
+        assert_eq!(offered(&panel), [false, false]);
+        panel.add_control(ControlKind::Key);
+        assert_eq!(offered(&panel), [true, false]);
+        panel.undo();
+        assert_eq!(offered(&panel), [false, true]);
     }
 
     #[test]
