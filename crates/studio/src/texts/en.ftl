@@ -408,6 +408,7 @@ pose-little-bent = Bend only the little finger, the others straight
 
 editor-canvas = Board
 editor-hint = click, Shift-click or drag: select · drag a key: move (Alt: freely) · right drag: pan · scroll: zoom · arrows: grid step (Shift: 0.1 mm)
+editor-hint-empty = “Add” in the bar puts a key or another control here
 editor-save = Save
 editor-save-hint = Write the file (Ctrl-S)
 editor-save-as = Save as…

@@ -408,6 +408,7 @@ pose-little-bent = Doble solo el meñique, los demás rectos
 
 editor-canvas = Tablero
 editor-hint = clic, Mayús-clic o arrastrar: seleccionar · arrastrar una tecla: mover (Alt: libre) · botón derecho: desplazar · rueda: zoom · flechas: paso de cuadrícula (Mayús: 0,1 mm)
+editor-hint-empty = «Añadir», en la barra, pone aquí una tecla u otro control
 editor-save = Guardar
 editor-save-hint = Escribir el archivo (Ctrl-S)
 editor-save-as = Guardar como…

@@ -32,11 +32,20 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     };
     let over = Over {
         heats: &[],
-        hint: text("editor-hint"),
+        hint: hint(panel),
     };
     paint(ui, panel, context, (area, &viewport), &over);
     if panel.has_rulers {
         rulers::paint(ui, (area, &viewport), panel.selected_bounds());
+    }
+}
+
+/// Returns the words about the mouse, or about the first control.
+fn hint(panel: &EditorPanel) -> &'static str {
+    if panel.items.items.is_empty() {
+        text("editor-hint-empty")
+    } else {
+        text("editor-hint")
     }
 }
 
@@ -451,4 +460,20 @@ fn live(panel: &EditorPanel, model: &StudioModel) -> (Vec<usize>, Vec<Fingertip>
         panel.items.fingertip(pad)
     });
     (pressed, tips.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editor::{ControlKind, LayoutEditor};
+    use ademan_core::layout::Fit;
+
+    #[test]
+    fn a_board_without_controls_says_how_to_add_one() {
+        let mut panel = EditorPanel::new(LayoutEditor::empty(Fit::default()));
+        panel.update_items();
+        assert_eq!(hint(&panel), text("editor-hint-empty"));
+        panel.add_control(ControlKind::Key);
+        assert_eq!(hint(&panel), text("editor-hint"));
+    }
 }
