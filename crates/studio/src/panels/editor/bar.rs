@@ -41,6 +41,9 @@ pub(super) const NEW_PARTS: [(&str, NewPart); 6] = [
     ("editor-new-space", NewPart::Space),
 ];
 
+/// Smallest width of a message beside the tools, in points. With less room it has a row of its own.
+const MIN_MESSAGE: f32 = 160.0;
+
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.add_space(3.0);
     ui.horizontal_wrapped(|ui| {
@@ -245,12 +248,41 @@ pub fn show_message(ui: &mut egui::Ui, panel: &EditorPanel) {
         None => return,
     };
     let words = egui::RichText::new(message).color(color);
-    ui.add(egui::Label::new(words).truncate())
-        .on_hover_text(message);
+    let rest = ui.available_size_before_wrap().x - 1.0;
+    let label = if rest < MIN_MESSAGE {
+        egui::Label::new(words).truncate()
+    } else {
+        // In a row that wraps, a label may be as wide as the row, and takes a row of its own then.
+        let truncate = Some(egui::TextWrapMode::Truncate);
+        let words = egui::WidgetText::from(words);
+        egui::Label::new(words.into_galley(ui, truncate, rest, egui::TextStyle::Body))
+    };
+    ui.add(label).on_hover_text(message);
 }
 
 /// Shows a button with a hint. Returns `true` if it was clicked.
 fn button(ui: &mut egui::Ui, name: &str, hint: &str, is_enabled: bool) -> bool {
     let button = ui.add_enabled(is_enabled, egui::Button::new(name));
     button.on_hover_text(hint).clicked()
+}
+
+#[cfg(test)]
+mod tests {
+    use egui_kittest::kittest::Queryable;
+
+    use super::super::tests::Window;
+    use super::*;
+
+    #[test]
+    fn a_long_message_is_in_the_row_of_the_tools() {
+        let mut window = Window::open();
+        let message = ["as much as has no room in one row"; 20].join(", ");
+        window.panel().message = Some(Err(message.clone()));
+        window.harness.run_steps(2);
+        let tool = window.harness.get_by_label(text("editor-rulers")).rect();
+        let shown = window.harness.get_by_label(&message).rect();
+        let middle = shown.center().y;
+        assert!(tool.y_range().contains(middle), "{shown} beside {tool}");
+        assert!(shown.min.x > tool.max.x, "{shown} beside {tool}");
+    }
 }
