@@ -99,7 +99,10 @@ fn increase_contrast(visuals: &mut Visuals) {
     // A menu draws no lines around what is below the mouse or has the focus.
     for widget in [&mut widgets.hovered, &mut widgets.active] {
         widget.weak_bg_fill = mark;
+        widget.bg_fill = mark;
     }
+    // Nor around a box or a circle that is not checked.
+    widgets.inactive.bg_fill = mark;
 }
 
 /// Draws fields and buttons of a menu with their lines in high contrast: without a line, a field is not seen.
@@ -193,6 +196,8 @@ mod tests {
                 let of_words = contrast(widget.weak_bg_fill, ink);
                 assert!(of_words > 4.5, "{theme:?}: {of_words}");
             }
+            let of_box = contrast(strong.widgets.inactive.bg_fill, strong.window_fill);
+            assert!(of_box > 3.0, "{theme:?}: {of_box}");
         }
     }
 
