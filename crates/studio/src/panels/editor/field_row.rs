@@ -68,6 +68,7 @@ fn show_value(
 ) {
     let default = panel.editor.default_of(parts[0], field);
     let shown = written.unwrap_or(&default);
+    let empty = text_hint(&default, is_mixed);
     match field.field_type {
         FieldType::Number { min, max, is_whole } => {
             let old = number_in(shown);
@@ -111,7 +112,7 @@ fn show_value(
         FieldType::Text => {
             let value = written.filter(|_| !is_mixed);
             let value = unquoted(value.unwrap_or_default());
-            show_text(ui, panel, parts, (field, &default), &value, true);
+            show_text(ui, panel, parts, (field, &default, empty), &value, true);
         }
         FieldType::Point { .. }
         | FieldType::Outline
@@ -119,8 +120,17 @@ fn show_value(
         | FieldType::Ron
         | FieldType::Action => {
             let value = written.filter(|_| !is_mixed).unwrap_or_default();
-            show_text(ui, panel, parts, (field, &default), value, false);
+            show_text(ui, panel, parts, (field, &default, empty), value, false);
         }
+    }
+}
+
+/// Returns the words in a text field without a text: none of the selected parts may have the default.
+fn text_hint(default: &str, is_mixed: bool) -> &str {
+    match default {
+        _ if is_mixed => text("editor-mixed"),
+        REQUIRED => "",
+        other => other,
     }
 }
 
@@ -177,39 +187,32 @@ fn show_text(
     ui: &mut egui::Ui,
     panel: &mut EditorPanel,
     parts: &[Part],
-    (field, default): (&FieldSpec, &str),
+    (field, default, hint): (&FieldSpec, &str, &str),
     value: &str,
     is_quoted: bool,
 ) {
     let name = field.name;
-    let hint = Some(default).filter(|words| *words != REQUIRED);
-    text_cell(
-        ui,
-        panel,
-        name,
-        (value, hint.unwrap_or_default()),
-        |content| {
-            let written = match (name, parts) {
-                // Without a name, a board has its number.
-                ("name", [Part::Board(_)]) if content.is_empty() => None,
-                ("name", [part]) if *part != Part::Layout => {
-                    let part = *part;
-                    return Edit::Rename {
-                        part,
-                        name: content,
-                    };
-                }
-                _ if content.is_empty() && default != REQUIRED => None,
-                _ if is_quoted => Some(quote(&content)),
-                _ => Some(content),
-            };
-            Edit::SetField {
-                parts: parts.to_vec(),
-                field: name.to_owned(),
-                value: written,
+    text_cell(ui, panel, name, (value, hint), |content| {
+        let written = match (name, parts) {
+            // Without a name, a board has its number.
+            ("name", [Part::Board(_)]) if content.is_empty() => None,
+            ("name", [part]) if *part != Part::Layout => {
+                let part = *part;
+                return Edit::Rename {
+                    part,
+                    name: content,
+                };
             }
-        },
-    );
+            _ if content.is_empty() && default != REQUIRED => None,
+            _ if is_quoted => Some(quote(&content)),
+            _ => Some(content),
+        };
+        Edit::SetField {
+            parts: parts.to_vec(),
+            field: name.to_owned(),
+            value: written,
+        }
+    });
 }
 
 /// Shows a text, and a hint while it is empty. When the field is left, the text becomes an edit if it was changed; a text that is
@@ -431,6 +434,13 @@ mod tests {
         ] {
             assert_eq!(number_in(value), expected, "{value}");
         }
+    }
+
+    #[test]
+    fn a_text_field_of_several_values_does_not_show_the_default() {
+        assert_eq!(text_hint("none", true), text("editor-mixed"));
+        assert_eq!(text_hint("none", false), "none");
+        assert_eq!(text_hint(REQUIRED, false), "");
     }
 
     #[test]
