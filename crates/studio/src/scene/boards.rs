@@ -28,6 +28,9 @@ const MAX_PLATE_DEPTH: f32 = 0.006;
 /// Size of a key on the screen below which it is a flat rectangle, in points.
 const MIN_DETAIL_PT: f32 = 9.0;
 
+/// Width of the edge of a key in high contrast, in points.
+const EDGE_WIDTH: f32 = 1.5;
+
 /// Sides of a quarter of a disc, which look round at any size.
 const DISC_STEPS: usize = 16;
 
@@ -197,6 +200,9 @@ fn add_key(canvas: &mut Canvas, layout: &Layout, front: &Front, pose: &Pose, sta
         return;
     }
     canvas.picture.below.add_flat_polygon(&edge, face);
+    if colors.has_high_contrast() {
+        add_edge(canvas, &edge, side);
+    }
     let marks = match state.values {
         Some(values) => valued_marks(layout, id, values, projected.scale * 1e-3),
         None => layout.front_marks(id, |_| None),
@@ -211,6 +217,15 @@ fn add_key(canvas: &mut Canvas, layout: &Layout, front: &Front, pose: &Pose, sta
 }
 
 /// Adds the marks on the front of a control.
+/// Adds lines around the front of a key: without a plate behind it, its color is nearly the background in high contrast.
+fn add_edge(canvas: &mut Canvas, corners: &[Vec2], color: Color) {
+    let next = corners.iter().cycle().skip(1);
+    for (&from, &to) in corners.iter().zip(next) {
+        let line = [(from, color), (to, color)];
+        canvas.picture.below.add_line(line, EDGE_WIDTH);
+    }
+}
+
 fn add_front(canvas: &mut Canvas, marks: &[FrontMark], front: &Pose, scale: f32, is_lit: bool) {
     let projection = canvas.projection;
     let to_screen = |point: Vec2| {

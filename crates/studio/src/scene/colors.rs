@@ -48,6 +48,11 @@ impl SceneColors {
         }
     }
 
+    /// Returns `true` for colours of high contrast.
+    pub fn has_high_contrast(&self) -> bool {
+        [Self::LIGHT_CONTRAST, Self::DARK_CONTRAST].contains(self)
+    }
+
     /// Colours of high contrast for a light window.
     pub const LIGHT_CONTRAST: Self = Self {
         background: Color::rgb(0xff, 0xff, 0xff),
@@ -133,6 +138,17 @@ mod tests {
             for (label, key) in [(colors.label, colors.key), (colors.lit_label, colors.lit)] {
                 let ratio = label.contrast(key);
                 assert!(ratio >= least, "{is_dark} {has_high_contrast}: {ratio}");
+            }
+            assert_eq!(colors.has_high_contrast(), has_high_contrast);
+        }
+    }
+
+    #[test]
+    fn the_edge_of_a_key_is_seen_in_high_contrast() {
+        for colors in [SceneColors::LIGHT_CONTRAST, SceneColors::DARK_CONTRAST] {
+            for beside in [colors.key, colors.background] {
+                let ratio = colors.key_side.contrast(beside);
+                assert!(ratio >= 3.0, "{ratio}");
             }
         }
     }

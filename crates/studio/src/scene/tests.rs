@@ -76,6 +76,21 @@ fn every_key_of_a_board_has_a_label_that_is_upright() {
 }
 
 #[test]
+fn a_key_has_an_edge_in_high_contrast() {
+    let (model, camera) = scene("piano");
+    let triangles = |colors: &SceneColors| {
+        let picture = draw(&model, &camera, SIZE, colors, SceneOptions::default());
+        picture.below.indices.len()
+    };
+    for (plain, strong) in [
+        (SceneColors::LIGHT, SceneColors::LIGHT_CONTRAST),
+        (SceneColors::DARK, SceneColors::DARK_CONTRAST),
+    ] {
+        assert!(triangles(&strong) > triangles(&plain));
+    }
+}
+
+#[test]
 fn a_key_above_another_one_hides_the_label_below_it() {
     let layout = |lift: u32| {
         let text = format!(
