@@ -26,7 +26,7 @@ const TYPED_WIDTH: f32 = 10.0;
 const TYPED_HEIGHT: f32 = 44.0;
 
 /// Greatest height of a hint, as a fraction of the picture that it covers.
-const MAX_HINT: f32 = 0.3;
+const MAX_HINT: f32 = 0.2;
 
 /// Sizes of the font in which labels are drawn, in points.
 const FONT_SIZES: [f32; 6] = [10.0, 14.0, 20.0, 28.0, 40.0, 64.0];
@@ -409,7 +409,7 @@ mod tests {
 
     #[test]
     fn a_hint_does_not_cover_a_low_view() {
-        for (height, is_shown) in [(300.0, true), (60.0, true), (40.0, false)] {
+        for (height, is_shown) in [(300.0, true), (100.0, true), (60.0, false)] {
             let context = egui::Context::default();
             let area = Rect::from_min_size(Pos2::ZERO, egui::vec2(400.0, height));
             let output = context.run_ui(egui::RawInput::default(), |ui| {

@@ -161,6 +161,11 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, context: &mut PanelConte
     }
 }
 
+/// Returns the greatest height of a panel below another one in a room of this height, in points. The one above has half of it.
+fn highest_below(room: f32, [min, _]: [f32; 2]) -> f32 {
+    (room / 2.0).max(min)
+}
+
 impl Panel {
     fn show(&self, ui: &mut Ui, state: &mut PanelState, context: &mut PanelContext) {
         let kept = state.settings.panel_sizes.get(self.key).copied();
@@ -178,7 +183,8 @@ impl Panel {
             Place::Right(sizes) => (sized(egui::Panel::right(self.key), sizes), Some(false)),
             Place::Below(sizes) => {
                 let panel = egui::Panel::bottom(self.key).resizable(true);
-                (sized(panel, sizes), Some(true))
+                let most = highest_below(ui.available_height(), sizes);
+                (sized(panel, sizes).max_size(most), Some(true))
             }
             Place::Middle => {
                 // Not every content paints all of it.
@@ -211,6 +217,13 @@ mod tests {
             let mut others = PANELS[index + 1..].iter();
             assert!(others.all(|other| other.key != panel.key), "{}", panel.key);
         }
+    }
+
+    #[test]
+    fn a_panel_below_leaves_half_of_a_low_window() {
+        assert_eq!(highest_below(640.0, [90.0, 230.0]), 320.0);
+        assert_eq!(highest_below(300.0, [90.0, 230.0]), 150.0);
+        assert_eq!(highest_below(100.0, [90.0, 230.0]), 90.0);
     }
 
     #[test]
