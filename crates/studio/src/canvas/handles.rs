@@ -39,9 +39,17 @@ pub fn handles(item: &Item, scale: f32) -> Vec<(Handle, Vec2)> {
     handles
 }
 
-/// Returns the handle of an item at a point.
+/// Returns the handle of an item at a point. However small an item is, its middle has none, where a drag moves it, nor has a neighbor of
+/// its size.
 pub fn handle_at(item: &Item, point: Vec2, scale: f32) -> Option<Handle> {
-    let near = |at: Vec2| (at - point).length() * scale <= HIT_RADIUS;
+    let half = item.shape.half;
+    let free = if item.shape.contains(point) {
+        half.min_element() / 2.0
+    } else {
+        half.max_element()
+    };
+    let reach = HIT_RADIUS.min(free * scale);
+    let near = |at: Vec2| (at - point).length() * scale <= reach;
     let mut handles = handles(item, scale).into_iter().rev();
     handles.find_map(|(handle, at)| near(at).then_some(handle))
 }
@@ -89,6 +97,20 @@ pub fn wrapped(degrees: f32) -> f32 {
 mod tests {
     use super::super::tests::square;
     use super::*;
+
+    #[test]
+    fn the_middle_of_a_small_item_and_of_its_neighbor_has_no_handle() {
+        let item = square(0.0, 0.0);
+        // An item of 10 points.
+        let scale = 10.0 / 17.0;
+        for at in [Vec2::ZERO, Vec2::new(19.0, 0.0)] {
+            assert_eq!(handle_at(&item, at, scale), None, "{at}");
+        }
+        let corner = item.shape.corners()[2];
+        for at in [corner, corner + Vec2::splat(3.0 / scale)] {
+            assert_eq!(handle_at(&item, at, scale), Some(Handle::Corner(2)));
+        }
+    }
 
     #[test]
     fn the_opposite_corner_stays_also_on_a_turned_item() {
