@@ -112,13 +112,13 @@ impl Beam {
 
     /// Adds a hypothesis.
     pub fn push(&mut self, next: Next) {
-        let score = next.token.score;
+        let score = next.score;
         // Also refuses what is not a number.
         if !(score > self.limit && score.is_finite()) {
             return;
         }
         self.limit = self.limit.max(score - self.width);
-        let key = next.token.key();
+        let key = next.key();
         let last = self.slots.len() - 1;
         let mut slot = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize & last;
         loop {
@@ -137,7 +137,7 @@ impl Beam {
             }
             if found.key == key {
                 let other = &mut self.next[found.index as usize];
-                let worse = other.token.score;
+                let worse = other.score;
                 if worse < score {
                     *other = next;
                     self.uncount(worse);
@@ -149,18 +149,13 @@ impl Beam {
         }
     }
 
-    /// Returns the places of the last characters of the collected hypotheses.
-    pub fn ends_mut(&mut self) -> impl Iterator<Item = &mut u32> {
-        self.next.iter_mut().map(|next| &mut next.token.end)
-    }
-
     /// Returns the best hypotheses, the best first.
     pub fn best(&mut self) -> impl Iterator<Item = &Next> {
         let limit = self.limit;
         self.order.clear();
         for (index, next) in self.next.iter().enumerate() {
-            if next.token.score > limit {
-                self.order.push((next.token.score, index as u32));
+            if next.score > limit {
+                self.order.push((next.score, index as u32));
             }
         }
         self.order

@@ -2,7 +2,7 @@
 
 use super::beam::Beam;
 use super::marks::{JOINT, is_punctuation, joins_words, punctuation};
-use super::token::{Emission, From, Next, Place, Token};
+use super::token::{From, Next, Parent, Place, Token};
 use super::{GAIN, Options};
 
 use super::touches::{SLACK, Touches};
@@ -12,7 +12,6 @@ use crate::model::alphabet::Symbol;
 use crate::model::bigrams::NO_ROW;
 use crate::model::lexicon::{Case, ROOT};
 use crate::model::spelling::START;
-use crate::touch::Hands;
 
 /// The log-probability of each character of a word with digits or signs.
 pub const ANY_CHARACTER: f32 = -3.2;
@@ -33,6 +32,8 @@ pub struct Expansion<'a, 'm> {
     pub options: &'a Options,
     pub touches: &'a Touches,
     pub beam: &'a mut Beam,
+    /// The hypothesis that is expanded.
+    pub parent: Token,
     pub apostrophe: Option<Symbol>,
     /// The key that was typed, and its character.
     pub typed: (usize, char),
@@ -50,35 +51,17 @@ pub fn spelling_end(model: &Model, options: &Options, state: u16, is_typed: bool
     }
 }
 
-/// A hypothesis on the way: further letters may be left out before the tap is used.
-#[derive(Clone, Copy)]
-struct Partial {
-    token: Token,
-    emission: Emission,
-}
-
-impl Partial {
-    fn node(&self) -> u32 {
-        match self.token.place {
-            Place::Word(node) => node,
-            _ => ROOT,
-        }
-    }
-}
-
 impl Expansion<'_, '_> {
     /// Adds the successors of a hypothesis with the tap.
-    pub fn expand(&mut self, token: &Token) {
-        let partial = Partial {
-            token: *token,
-            emission: Emission::NOTHING,
-        };
+    pub fn expand(&mut self, index: usize, token: &Token) {
+        self.parent = *token;
+        let partial = Next::after(token, Parent::Last(index as u16));
         let mut nothing = partial;
-        nothing.token.score += self.options.insertion + self.touches.stray();
+        nothing.score += self.options.insertion + self.touches.stray();
         if self.typed.1 == ' ' {
-            nothing.token.score += SPURIOUS_SPACE;
+            nothing.score += SPURIOUS_SPACE;
         } else if self.touches.near().iter().all(|near| near.symbol.is_none()) {
-            nothing.token.score += SPURIOUS_SIGN;
+            nothing.score += SPURIOUS_SIGN;
         }
         self.push(nothing);
         match token.place {
@@ -90,11 +73,8 @@ impl Expansion<'_, '_> {
         }
     }
 
-    fn push(&mut self, partial: Partial) {
-        self.beam.push(Next {
-            token: partial.token,
-            emission: partial.emission,
-        });
+    fn push(&mut self, next: Next) {
+        self.beam.push(next);
     }
 
     /// Returns `true` if a hypothesis can still be kept with a likely tap.
@@ -110,14 +90,14 @@ impl Expansion<'_, '_> {
         self.language(self.model.lexicon.node(node).best())
     }
 
-    fn word(&mut self, partial: &Partial) {
+    fn word(&mut self, partial: &Next) {
         let node = partial.node();
-        if !self.is_open(partial.token.score) {
+        if !self.is_open(partial.score) {
             return;
         }
         self.letters(partial);
         if let Some(ended) = self.end(partial)
-            && self.is_open(ended.token.score + self.options.missing_space)
+            && self.is_open(ended.score + self.options.missing_space)
         {
             self.missing_space(&ended, node);
         }
@@ -125,7 +105,7 @@ impl Expansion<'_, '_> {
             self.unknown(partial);
             if self.is_sign && !joins_words(self.typed.1) {
                 let mut sign = *partial;
-                sign.token.score += self.options.verbatim - self.best(node);
+                sign.score += self.options.verbatim - self.best(node);
                 self.verbatim(&sign);
             }
         }
@@ -133,9 +113,9 @@ impl Expansion<'_, '_> {
     }
 
     /// Uses the tap as the next letter of a word.
-    fn letters(&mut self, partial: &Partial) {
+    fn letters(&mut self, partial: &Next) {
         let node = partial.node();
-        let base = partial.token.score - self.best(node);
+        let base = partial.score - self.best(node);
         for children in self.model.lexicon.child_ranges(node) {
             for child in children {
                 self.letter(partial, base, child);
@@ -144,7 +124,7 @@ impl Expansion<'_, '_> {
     }
 
     /// Uses the tap as the letter that leads to a node.
-    fn letter(&mut self, partial: &Partial, base: f32, child: u32) {
+    fn letter(&mut self, partial: &Next, base: f32, child: u32) {
         let contents = self.model.lexicon.node(child);
         let score = base + self.language(contents.best());
         if score + self.touches.bound(contents.symbol()) <= self.beam.limit() {
@@ -152,7 +132,7 @@ impl Expansion<'_, '_> {
         }
         let Some((touch, key)) = self
             .touches
-            .of_letter(contents.symbol(), &partial.token.hands)
+            .of_letter(contents.symbol(), &self.parent.hands)
         else {
             return;
         };
@@ -160,30 +140,27 @@ impl Expansion<'_, '_> {
             return;
         }
         let mut next = *partial;
-        next.token.score = score + touch;
-        next.token.place = Place::Word(child);
-        next.token.hands = self.hands(touch, key, &partial.token.hands);
+        next.score = score + touch;
+        next.place = Place::Word(child);
+        next.moved = self.moved_by(touch, key);
         let letter = self.model.alphabet.letter(contents.symbol());
         next.emission = next.emission.with(letter, From::This, Case::Lower);
         self.push(next);
     }
 
-    fn hands(&self, touch: f32, key: usize, hands: &Hands) -> Hands {
-        // A tap far from its key is a slip and tells nothing.
-        if touch <= self.touches.anywhere() {
-            return *hands;
-        }
-        self.touches.moved(key, hands)
+    /// Returns the key if a tap of it tells where the hands are: a tap far from its key is a slip and tells nothing.
+    fn moved_by(&self, touch: f32, key: usize) -> Option<u8> {
+        (touch > self.touches.anywhere()).then_some(key as u8)
     }
 
     /// Uses the tap as the end of a word. Returns the hypothesis with its word complete, if it can still be kept.
-    fn end(&mut self, partial: &Partial) -> Option<Partial> {
+    fn end(&mut self, partial: &Next) -> Option<Next> {
         let node = partial.node();
         if node == ROOT {
             let space = self.touches.space();
-            if let Some(space) = space.filter(|_| partial.token.end != super::history::NONE) {
+            if let Some(space) = space.filter(|_| self.parent.end != super::history::NONE) {
                 let mut next = *partial;
-                next.token.score += SECOND_SPACE + self.touches.of_key(space, &partial.token.hands);
+                next.score += SECOND_SPACE + self.touches.of_key(space, &self.parent.hands);
                 next.emission = next.emission.with(' ', From::This, Case::Lower);
                 self.push(next);
             }
@@ -199,7 +176,7 @@ impl Expansion<'_, '_> {
     }
 
     /// Uses the tap as a mark before a word: one that opens, or any other if it was typed.
-    fn opening_mark(&mut self, partial: &Partial) {
+    fn opening_mark(&mut self, partial: &Next) {
         for near in 0..self.touches.near().len() {
             let near = self.touches.near()[near];
             let cost = match near.character {
@@ -208,10 +185,10 @@ impl Expansion<'_, '_> {
                 mark if near.key == self.typed.0 && is_punctuation(mark) => DOUBLE,
                 _ => continue,
             };
-            let touch = self.touches.of_key(near.key, &partial.token.hands);
+            let touch = self.touches.of_key(near.key, &self.parent.hands);
             let mut next = *partial;
-            let mark = punctuation(self.options, near.character, next.token.sentence);
-            next.token.score += touch + mark + cost;
+            let mark = punctuation(self.options, near.character, self.parent.sentence);
+            next.score += touch + mark + cost;
             next.emission = next.emission.with(near.character, From::This, Case::Lower);
             self.push(next);
         }
@@ -219,27 +196,27 @@ impl Expansion<'_, '_> {
 
     /// Uses the tap as the sign that it typed, after a complete word, with its case, or at the start of a word. `expected` is the part
     /// of the score that stands for the word to come.
-    fn joint(&mut self, partial: &Partial, expected: f32, case: Case) {
+    fn joint(&mut self, partial: &Next, expected: f32, case: Case) {
         let (key, sign) = self.typed;
         if !self.is_sign || !joins_words(sign) {
             return;
         }
-        let touch = self.touches.of_key(key, &partial.token.hands);
+        let touch = self.touches.of_key(key, &self.parent.hands);
         let mut next = *partial;
-        next.token.score += touch + JOINT + self.best(ROOT) - expected;
-        next.token.place = Place::Word(ROOT);
-        next.token.row = NO_ROW;
+        next.score += touch + JOINT + self.best(ROOT) - expected;
+        next.place = Place::Word(ROOT);
+        next.row = NO_ROW;
         next.emission = next.emission.with(sign, From::This, case);
         self.push(next);
     }
 
     /// Returns the hypothesis with its word complete, or `None` if it is not a word, or too unlikely for the tap.
-    fn ended(&self, partial: &Partial) -> Option<Partial> {
+    fn ended(&self, partial: &Next) -> Option<Next> {
         let node = partial.node();
         let contents = self.model.lexicon.node(node);
         let alone = contents.word()?;
         // Before the look-up of the pair: how likely it can be at most.
-        let most = partial.token.score + self.language((alone + GAIN).min(0.0) - contents.best());
+        let most = partial.score + self.language((alone + GAIN).min(0.0) - contents.best());
         let missing = self.options.missing_space + self.best(ROOT);
         let joint = if self.is_sign { JOINT } else { missing };
         let following = self
@@ -249,28 +226,28 @@ impl Expansion<'_, '_> {
         if most + following + SLACK <= self.beam.limit() {
             return None;
         }
-        let word = self.model.bigrams.after(partial.token.row, node, alone);
+        let word = self.model.bigrams.after(partial.row, node, alone);
         let mut ended = *partial;
-        ended.token.score += self.language(word) - self.language(contents.best());
+        ended.score += self.language(word) - self.language(contents.best());
         Some(ended)
     }
 
     /// Uses the tap as a space or punctuation after a complete word.
-    fn separators(&mut self, ended: &Partial, node: u32, case: Case) {
-        if ended.token.score + self.touches.separator() + SLACK <= self.beam.limit() {
+    fn separators(&mut self, ended: &Next, node: u32, case: Case) {
+        if ended.score + self.touches.separator() + SLACK <= self.beam.limit() {
             return;
         }
         if let Some(space) = self.touches.space() {
-            let touch = self.touches.of_key(space, &ended.token.hands);
+            let touch = self.touches.of_key(space, &self.parent.hands);
             let mut next = *ended;
-            next.token.score += touch + self.best(ROOT);
-            if next.token.score > self.beam.limit() {
-                next.token.place = Place::Word(ROOT);
-                next.token.row = match node {
+            next.score += touch + self.best(ROOT);
+            if next.score > self.beam.limit() {
+                next.place = Place::Word(ROOT);
+                next.row = match node {
                     ROOT => NO_ROW,
-                    node => self.model.next_row(ended.token.row, node),
+                    node => self.model.next_row(ended.row, node),
                 };
-                next.token.hands = self.hands(touch, space, &ended.token.hands);
+                next.moved = self.moved_by(touch, space);
                 next.emission = next.emission.with(' ', From::This, case);
                 self.push(next);
             }
@@ -280,28 +257,27 @@ impl Expansion<'_, '_> {
             if !is_punctuation(near.character) && near.character != '\'' {
                 continue;
             }
-            let touch = self.touches.of_key(near.key, &ended.token.hands);
+            let touch = self.touches.of_key(near.key, &self.parent.hands);
             let mut next = *ended;
-            next.token.score +=
-                touch + punctuation(self.options, near.character, next.token.sentence);
-            next.token.place = Place::Gap;
-            next.token.row = self.model.row_after(near.character);
-            next.token.hands = self.hands(touch, near.key, &ended.token.hands);
+            next.score += touch + punctuation(self.options, near.character, self.parent.sentence);
+            next.place = Place::Gap;
+            next.row = self.model.row_after(near.character);
+            next.moved = self.moved_by(touch, near.key);
             next.emission = next.emission.with(near.character, From::This, case);
             self.push(next);
         }
     }
 
     /// Starts a word that is not in the lexicon.
-    fn unknown(&mut self, partial: &Partial) {
+    fn unknown(&mut self, partial: &Next) {
         let mut start = *partial;
-        start.token.score += self.options.unknown - self.best(ROOT);
+        start.score += self.options.unknown - self.best(ROOT);
         self.spell(&start, START, true);
     }
 
     /// Uses the tap as a letter of a word that is not in the lexicon.
-    fn spell(&mut self, partial: &Partial, state: u16, is_typed: bool) {
-        if !self.is_open(partial.token.score) {
+    fn spell(&mut self, partial: &Next, state: u16, is_typed: bool) {
+        if !self.is_open(partial.score) {
             return;
         }
         for near in 0..self.touches.near().len() {
@@ -309,7 +285,7 @@ impl Expansion<'_, '_> {
             let Some(symbol) = near.symbol else { continue };
             let (spelling, state) = self.model.spelling.letter(state, symbol);
             let spelling = self.language(spelling);
-            let touch = self.touches.of_key(near.key, &partial.token.hands);
+            let touch = self.touches.of_key(near.key, &self.parent.hands);
             let mut next = *partial;
             let is_same = near.key == self.typed.0;
             let cost = if is_same {
@@ -317,28 +293,28 @@ impl Expansion<'_, '_> {
             } else {
                 spelling + self.options.other
             };
-            next.token.score += cost + touch;
-            next.token.place = if is_typed && is_same {
+            next.score += cost + touch;
+            next.place = if is_typed && is_same {
                 Place::Typed(state)
             } else {
                 Place::Spelled(state)
             };
-            next.token.hands = self.hands(touch, near.key, &partial.token.hands);
+            next.moved = self.moved_by(touch, near.key);
             next.emission = next.emission.with(near.character, From::This, Case::Lower);
             self.push(next);
         }
     }
 
-    fn spelled(&mut self, partial: &Partial, state: u16, is_typed: bool) {
+    fn spelled(&mut self, partial: &Next, state: u16, is_typed: bool) {
         self.spell(partial, state, is_typed);
         let mut ended = *partial;
-        ended.token.score += self.spelling_end(state, is_typed);
+        ended.score += self.spelling_end(state, is_typed);
         self.separators(&ended, ROOT, Case::Lower);
         self.joint(&ended, 0.0, Case::Lower);
         // A sign is typed on purpose only in a word that is meant as it was typed.
         if self.is_sign && is_typed && !joins_words(self.typed.1) {
             let mut sign = *partial;
-            sign.token.score += self.options.verbatim;
+            sign.score += self.options.verbatim;
             self.verbatim(&sign);
         }
     }
@@ -348,9 +324,9 @@ impl Expansion<'_, '_> {
     }
 
     /// Uses the tap as the typed character of a word with digits or signs.
-    fn verbatim(&mut self, partial: &Partial) {
+    fn verbatim(&mut self, partial: &Next) {
         let (key, character) = self.typed;
-        let touch = self.touches.of_key(key, &partial.token.hands);
+        let touch = self.touches.of_key(key, &self.parent.hands);
         if character == ' ' || is_punctuation(character) {
             return self.separators(partial, ROOT, Case::Lower);
         }
@@ -358,20 +334,20 @@ impl Expansion<'_, '_> {
             return self.joint(partial, 0.0, Case::Lower);
         }
         let mut next = *partial;
-        next.token.score += touch + ANY_CHARACTER;
-        next.token.place = Place::Verbatim;
+        next.score += touch + ANY_CHARACTER;
+        next.place = Place::Verbatim;
         next.emission = next.emission.with(character, From::This, Case::Lower);
         self.push(next);
     }
 
     /// Continues after punctuation: with its space, more punctuation, or a letter.
-    fn gap(&mut self, partial: &Partial) {
+    fn gap(&mut self, partial: &Next) {
         let mut start = *partial;
-        start.token.place = Place::Word(ROOT);
+        start.place = Place::Word(ROOT);
         if let Some(space) = self.touches.space() {
-            let touch = self.touches.of_key(space, &partial.token.hands);
+            let touch = self.touches.of_key(space, &self.parent.hands);
             let mut next = start;
-            next.token.score += touch + self.best(ROOT);
+            next.score += touch + self.best(ROOT);
             next.emission = next.emission.with(' ', From::This, Case::Lower);
             self.push(next);
         }
@@ -381,30 +357,30 @@ impl Expansion<'_, '_> {
             if is_quote || is_punctuation(near.character) {
                 let cost = if is_quote { RARE } else { DOUBLE };
                 let mut next = *partial;
-                next.token.score += cost + self.touches.of_key(near.key, &partial.token.hands);
+                next.score += cost + self.touches.of_key(near.key, &self.parent.hands);
                 next.emission = next.emission.with(near.character, From::This, Case::Lower);
                 self.push(next);
             }
         }
         self.joint(&start, 0.0, Case::Lower);
-        start.token.score += RARE + self.best(ROOT);
+        start.score += RARE + self.best(ROOT);
         self.letters(&start);
         self.unknown(&start);
         if self.is_sign && !joins_words(self.typed.1) {
-            start.token.score += self.options.verbatim - self.best(ROOT);
+            start.score += self.options.verbatim - self.best(ROOT);
             self.verbatim(&start);
         }
     }
 
     /// Continues as if a letter or an apostrophe had not been tapped.
-    fn skips(&mut self, partial: &Partial) {
+    fn skips(&mut self, partial: &Next) {
         let node = partial.node();
         let options = *self.options;
         let silent = self.apostrophe;
-        if !self.is_open(partial.token.score + options.omission.max(options.silent)) {
+        if !self.is_open(partial.score + options.omission.max(options.silent)) {
             return;
         }
-        let base = partial.token.score - self.best(node);
+        let base = partial.score - self.best(node);
         for child in self.model.lexicon.children(node) {
             let contents = self.model.lexicon.node(child);
             let is_silent = Some(contents.symbol()) == silent;
@@ -418,8 +394,8 @@ impl Expansion<'_, '_> {
                 continue;
             }
             let mut next = *partial;
-            next.token.score = score;
-            next.token.place = Place::Word(child);
+            next.score = score;
+            next.place = Place::Word(child);
             let letter = self.model.alphabet.letter(contents.symbol());
             next.emission = next.emission.with(letter, From::None, Case::Lower);
             self.letters(&next);
@@ -428,12 +404,12 @@ impl Expansion<'_, '_> {
     }
 
     /// Uses the tap as the first letter of a word after a complete one, without a space.
-    fn missing_space(&mut self, ended: &Partial, node: u32) {
+    fn missing_space(&mut self, ended: &Next, node: u32) {
         let mut ended = *ended;
-        ended.token.score += self.options.missing_space + self.best(ROOT);
-        if self.is_open(ended.token.score) {
-            ended.token.place = Place::Word(ROOT);
-            ended.token.row = self.model.next_row(ended.token.row, node);
+        ended.score += self.options.missing_space + self.best(ROOT);
+        if self.is_open(ended.score) {
+            ended.place = Place::Word(ROOT);
+            ended.row = self.model.next_row(ended.row, node);
             let case = self.model.lexicon.node(node).case();
             ended.emission = ended.emission.with(' ', From::None, case);
             self.letters(&ended);
@@ -441,7 +417,7 @@ impl Expansion<'_, '_> {
     }
 
     /// Adds the successors of a hypothesis from before the previous tap if the previous tap and this one came in the wrong order.
-    pub fn transpose(&mut self, token: &Token, previous: Millimetres) {
+    pub fn transpose(&mut self, index: usize, token: &Token, previous: Millimetres) {
         let Place::Word(node) = token.place else {
             return;
         };
@@ -466,17 +442,15 @@ impl Expansion<'_, '_> {
                 let Some((second_touch, _)) = second_touch else {
                     continue;
                 };
-                let mut next = *token;
+                let mut next = Next::after(token, Parent::BeforeLast(index as u16));
                 next.score = score + second_touch - self.best(first) + self.best(second);
                 next.place = Place::Word(second);
                 let letter = |letter_symbol| self.model.alphabet.letter(letter_symbol);
-                let emission = Emission::NOTHING
+                next.emission = next
+                    .emission
                     .with(letter(first_symbol), From::This, Case::Lower)
                     .with(letter(symbol), From::Previous, Case::Lower);
-                self.beam.push(Next {
-                    token: next,
-                    emission,
-                });
+                self.push(next);
             }
         }
     }

@@ -45,7 +45,7 @@ use history::{Entry, History, NONE};
 use learn::WordRates;
 use literal::Literal;
 use render::Rendered;
-use token::{From, Place, Token};
+use token::{From, Parent, Place, Token};
 use touches::{Carried, Touches};
 
 use crate::keyboard::{Keyboard, Tap};
@@ -121,6 +121,8 @@ pub struct Decoder<'m> {
     history: History,
     tokens: Vec<Token>,
     previous: Vec<Token>,
+    /// The hypotheses after the tap of this step.
+    next: Vec<Token>,
     taps: Vec<Tap>,
     /// Taps that are decoded again.
     spare: Vec<Tap>,
@@ -176,6 +178,7 @@ impl<'m> Decoder<'m> {
             history: History::new(),
             tokens: Vec::with_capacity(options.beam),
             previous: Vec::with_capacity(options.beam),
+            next: Vec::with_capacity(options.beam),
             taps: Vec::with_capacity(MAX_TAPS),
             spare: Vec::with_capacity(MAX_TAPS),
             literal: Literal::new(MAX_TAPS),
@@ -351,8 +354,12 @@ impl<'m> Decoder<'m> {
     }
 
     fn step(&mut self, typed: (usize, char)) {
-        let best = self.tokens.first().map_or(0.0, |token| token.score);
-        self.beam.start(best + self.touches.likeliest() + GAIN);
+        let Some(&first) = self.tokens.first() else {
+            return;
+        };
+        self.make_room();
+        self.beam
+            .start(first.score + self.touches.likeliest() + GAIN);
         let (_, character) = typed;
         let is_letter = self.model.alphabet.symbol(character).is_some();
         let mut expansion = Expansion {
@@ -360,28 +367,38 @@ impl<'m> Decoder<'m> {
             options: &self.costs,
             touches: &self.touches,
             beam: &mut self.beam,
+            parent: first,
             apostrophe: self.apostrophe,
             typed,
             is_sign: !is_letter && character != ' ' && !marks::is_punctuation(character),
         };
-        for token in &self.tokens {
-            expansion.expand(token);
+        for (index, token) in self.tokens.iter().enumerate() {
+            expansion.expand(index, token);
         }
         if let Some(last) = self.taps.last() {
-            for token in self.previous.iter().take(TRANSPOSED) {
-                expansion.transpose(token, last.position);
+            for (index, token) in self.previous.iter().take(TRANSPOSED).enumerate() {
+                expansion.transpose(index, token, last.position);
             }
         }
-        std::mem::swap(&mut self.tokens, &mut self.previous);
-        self.tokens.clear();
-        self.make_room();
         let now = self.taps.len() as u32;
         for next in self.beam.best() {
-            let mut token = next.token;
-            let last = next.emission.items().last();
-            token.sentence = match last {
-                Some(last) if ends_sentence(last.character) => 0,
-                _ => token.sentence.saturating_add(1),
+            let parent = match next.parent {
+                Parent::Last(index) => &self.tokens[usize::from(index)],
+                Parent::BeforeLast(index) => &self.previous[usize::from(index)],
+            };
+            let last = next.emission.last();
+            let mut token = Token {
+                score: next.score,
+                place: next.place,
+                row: next.row,
+                end: parent.end,
+                sentence: match last {
+                    Some(last) if ends_sentence(last.character) => 0,
+                    _ => parent.sentence.saturating_add(1),
+                },
+                hands: next.moved.map_or(parent.hands, |key| {
+                    self.touches.moved(usize::from(key), &parent.hands)
+                }),
             };
             for emitted in next.emission.items() {
                 let tap = match emitted.from {
@@ -396,8 +413,11 @@ impl<'m> Decoder<'m> {
                     case: emitted.case,
                 });
             }
-            self.tokens.push(token);
+            self.next.push(token);
         }
+        std::mem::swap(&mut self.tokens, &mut self.previous);
+        std::mem::swap(&mut self.tokens, &mut self.next);
+        self.next.clear();
     }
 
     /// Drops characters that belong to no hypothesis, if little room is left.
@@ -405,18 +425,11 @@ impl<'m> Decoder<'m> {
         if self.history.has_room() {
             return;
         }
-        let next = self.beam.ends_mut();
-        for end in next.map(|end| *end) {
-            self.history.keep(end);
-        }
-        for token in &self.previous {
+        for token in self.tokens.iter().chain(&self.previous) {
             self.history.keep(token.end);
         }
         self.history.sweep();
-        for end in self.beam.ends_mut() {
-            *end = self.history.moved(*end);
-        }
-        for token in &mut self.previous {
+        for token in self.tokens.iter_mut().chain(&mut self.previous) {
             token.end = self.history.moved(token.end);
         }
         self.history.unmark();
