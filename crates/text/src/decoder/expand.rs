@@ -1,12 +1,12 @@
 //! The expansion of one hypothesis by a tap into its successors.
 
 use super::beam::Beam;
+use super::likelihoods::Likelihoods;
 use super::marks::{JOINT, is_punctuation, joins_words, punctuation};
 use super::token::{From, Next, Parent, Place, Token};
 use super::{GAIN, Options};
 
 use super::touches::{SLACK, Touches};
-use crate::keyboard::Millimetres;
 use crate::model::Model;
 use crate::model::alphabet::Symbol;
 use crate::model::bigrams::NO_ROW;
@@ -32,6 +32,8 @@ pub struct Expansion<'a, 'm> {
     pub options: &'a Options,
     pub touches: &'a Touches,
     pub beam: &'a mut Beam,
+    /// The likelihoods of the tap for the hypothesis that is expanded.
+    pub likelihoods: Likelihoods<'a>,
     /// The hypothesis that is expanded.
     pub parent: Token,
     pub apostrophe: Option<Symbol>,
@@ -55,6 +57,7 @@ impl Expansion<'_, '_> {
     /// Adds the successors of a hypothesis with the tap.
     pub fn expand(&mut self, index: usize, token: &Token) {
         self.parent = *token;
+        self.likelihoods.assume(&token.hands);
         let partial = Next::after(token, Parent::Last(index as u16));
         let mut nothing = partial;
         nothing.score += self.options.insertion + self.touches.stray();
@@ -130,10 +133,7 @@ impl Expansion<'_, '_> {
         if score + self.touches.bound(contents.symbol()) <= self.beam.limit() {
             return;
         }
-        let Some((touch, key)) = self
-            .touches
-            .of_letter(contents.symbol(), &self.parent.hands)
-        else {
+        let Some((touch, key)) = self.likelihoods.of_letter(contents.symbol()) else {
             return;
         };
         if score + touch <= self.beam.limit() {
@@ -160,7 +160,7 @@ impl Expansion<'_, '_> {
             let space = self.touches.space();
             if let Some(space) = space.filter(|_| self.parent.end != super::history::NONE) {
                 let mut next = *partial;
-                next.score += SECOND_SPACE + self.touches.of_key(space, &self.parent.hands);
+                next.score += SECOND_SPACE + self.likelihoods.of_key(space);
                 next.emission = next.emission.with(' ', From::This, Case::Lower);
                 self.push(next);
             }
@@ -185,7 +185,7 @@ impl Expansion<'_, '_> {
                 mark if near.key == self.typed.0 && is_punctuation(mark) => DOUBLE,
                 _ => continue,
             };
-            let touch = self.touches.of_key(near.key, &self.parent.hands);
+            let touch = self.likelihoods.of_key(near.key);
             let mut next = *partial;
             let mark = punctuation(self.options, near.character, self.parent.sentence);
             next.score += touch + mark + cost;
@@ -201,7 +201,7 @@ impl Expansion<'_, '_> {
         if !self.is_sign || !joins_words(sign) {
             return;
         }
-        let touch = self.touches.of_key(key, &self.parent.hands);
+        let touch = self.likelihoods.of_key(key);
         let mut next = *partial;
         next.score += touch + JOINT + self.best(ROOT) - expected;
         next.place = Place::Word(ROOT);
@@ -238,7 +238,7 @@ impl Expansion<'_, '_> {
             return;
         }
         if let Some(space) = self.touches.space() {
-            let touch = self.touches.of_key(space, &self.parent.hands);
+            let touch = self.likelihoods.of_key(space);
             let mut next = *ended;
             next.score += touch + self.best(ROOT);
             if next.score > self.beam.limit() {
@@ -257,9 +257,12 @@ impl Expansion<'_, '_> {
             if !is_punctuation(near.character) && near.character != '\'' {
                 continue;
             }
-            let touch = self.touches.of_key(near.key, &self.parent.hands);
+            let touch = self.likelihoods.of_key(near.key);
             let mut next = *ended;
             next.score += touch + punctuation(self.options, near.character, self.parent.sentence);
+            if next.score <= self.beam.limit() {
+                continue;
+            }
             next.place = Place::Gap;
             next.row = self.model.row_after(near.character);
             next.moved = self.moved_by(touch, near.key);
@@ -283,16 +286,21 @@ impl Expansion<'_, '_> {
         for near in 0..self.touches.near().len() {
             let near = self.touches.near()[near];
             let Some(symbol) = near.symbol else { continue };
+            let touch = self.likelihoods.of_key(near.key);
+            let is_same = near.key == self.typed.0;
+            // Before the look-up of the letter: how likely it can be at most.
+            let most = if is_same { 0.0 } else { self.options.other };
+            if partial.score + (most + touch) <= self.beam.limit() {
+                continue;
+            }
             let (spelling, state) = self.model.spelling.letter(state, symbol);
             let spelling = self.language(spelling);
-            let touch = self.touches.of_key(near.key, &self.parent.hands);
-            let mut next = *partial;
-            let is_same = near.key == self.typed.0;
             let cost = if is_same {
                 spelling.max(self.options.letter)
             } else {
                 spelling + self.options.other
             };
+            let mut next = *partial;
             next.score += cost + touch;
             next.place = if is_typed && is_same {
                 Place::Typed(state)
@@ -326,7 +334,7 @@ impl Expansion<'_, '_> {
     /// Uses the tap as the typed character of a word with digits or signs.
     fn verbatim(&mut self, partial: &Next) {
         let (key, character) = self.typed;
-        let touch = self.touches.of_key(key, &self.parent.hands);
+        let touch = self.likelihoods.of_key(key);
         if character == ' ' || is_punctuation(character) {
             return self.separators(partial, ROOT, Case::Lower);
         }
@@ -345,7 +353,7 @@ impl Expansion<'_, '_> {
         let mut start = *partial;
         start.place = Place::Word(ROOT);
         if let Some(space) = self.touches.space() {
-            let touch = self.touches.of_key(space, &self.parent.hands);
+            let touch = self.likelihoods.of_key(space);
             let mut next = start;
             next.score += touch + self.best(ROOT);
             next.emission = next.emission.with(' ', From::This, Case::Lower);
@@ -357,7 +365,7 @@ impl Expansion<'_, '_> {
             if is_quote || is_punctuation(near.character) {
                 let cost = if is_quote { RARE } else { DOUBLE };
                 let mut next = *partial;
-                next.score += cost + self.touches.of_key(near.key, &self.parent.hands);
+                next.score += cost + self.likelihoods.of_key(near.key);
                 next.emission = next.emission.with(near.character, From::This, Case::Lower);
                 self.push(next);
             }
@@ -375,13 +383,14 @@ impl Expansion<'_, '_> {
     /// Continues as if a letter or an apostrophe had not been tapped.
     fn skips(&mut self, partial: &Next) {
         let node = partial.node();
-        let options = *self.options;
+        let options = self.options;
         let silent = self.apostrophe;
         if !self.is_open(partial.score + options.omission.max(options.silent)) {
             return;
         }
         let base = partial.score - self.best(node);
-        for child in self.model.lexicon.children(node) {
+        let children = self.model.lexicon.child_ranges(node);
+        for child in children.into_iter().flatten() {
             let contents = self.model.lexicon.node(child);
             let is_silent = Some(contents.symbol()) == silent;
             let cost = if is_silent {
@@ -416,8 +425,9 @@ impl Expansion<'_, '_> {
         }
     }
 
-    /// Adds the successors of a hypothesis from before the previous tap if the previous tap and this one came in the wrong order.
-    pub fn transpose(&mut self, index: usize, token: &Token, previous: Millimetres) {
+    /// Adds the successors of a hypothesis from before the previous tap if the previous tap and this one came in the wrong order, with the
+    /// likelihoods of the previous tap.
+    pub fn transpose(&mut self, index: usize, token: &Token, previous: &mut Likelihoods) {
         let Place::Word(node) = token.place else {
             return;
         };
@@ -425,25 +435,31 @@ impl Expansion<'_, '_> {
         if !self.is_open(reachable) {
             return;
         }
+        self.likelihoods.assume(&token.hands);
+        previous.assume(&token.hands);
         let base = token.score + self.options.transposition - self.best(node);
         let lexicon = &self.model.lexicon;
         for first in lexicon.children(node) {
             let first_symbol = lexicon.node(first).symbol();
-            let Some((touch, _)) = self.touches.of_letter(first_symbol, &token.hands) else {
+            let Some((touch, _)) = self.likelihoods.of_letter(first_symbol) else {
                 continue;
             };
-            let score = base + touch + self.best(first);
+            let first_best = self.best(first);
+            let score = base + touch + first_best;
             if !self.is_open(score) {
                 continue;
             }
             for second in lexicon.children(first) {
                 let symbol = lexicon.node(second).symbol();
-                let second_touch = self.touches.letter_at(previous, symbol, &token.hands);
-                let Some((second_touch, _)) = second_touch else {
+                let Some((second_touch, _)) = previous.of_letter(symbol) else {
                     continue;
                 };
+                let second_score = score + second_touch - first_best + self.best(second);
+                if second_score <= self.beam.limit() {
+                    continue;
+                }
                 let mut next = Next::after(token, Parent::BeforeLast(index as u16));
-                next.score = score + second_touch - self.best(first) + self.best(second);
+                next.score = second_score;
                 next.place = Place::Word(second);
                 let letter = |letter_symbol| self.model.alphabet.letter(letter_symbol);
                 next.emission = next

@@ -23,6 +23,7 @@ mod finish;
 pub(crate) mod fixture;
 mod history;
 mod learn;
+mod likelihoods;
 mod literal;
 mod marks;
 mod options;
@@ -43,6 +44,7 @@ use expand::Expansion;
 use finish::Finished;
 use history::{Entry, History, NONE};
 use learn::WordRates;
+use likelihoods::Likelihoods;
 use literal::Literal;
 use render::Rendered;
 use token::{From, Parent, Place, Token};
@@ -367,6 +369,7 @@ impl<'m> Decoder<'m> {
             options: &self.costs,
             touches: &self.touches,
             beam: &mut self.beam,
+            likelihoods: Likelihoods::new(&self.touches, self.touches.position()),
             parent: first,
             apostrophe: self.apostrophe,
             typed,
@@ -376,8 +379,9 @@ impl<'m> Decoder<'m> {
             expansion.expand(index, token);
         }
         if let Some(last) = self.taps.last() {
+            let mut previous = Likelihoods::new(&self.touches, last.position);
             for (index, token) in self.previous.iter().take(TRANSPOSED).enumerate() {
-                expansion.transpose(index, token, last.position);
+                expansion.transpose(index, token, &mut previous);
             }
         }
         let now = self.taps.len() as u32;

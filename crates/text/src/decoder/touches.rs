@@ -2,7 +2,7 @@
 
 use super::marks::is_punctuation;
 use super::precision::Precision;
-use crate::keyboard::{Keyboard, Millimetres};
+use crate::keyboard::{Keyboard, MAX_KEYS, Millimetres};
 use crate::model::alphabet::{Alphabet, Symbol, plain};
 use crate::touch::{Correlations, Hands, Spread, TouchModel};
 
@@ -214,12 +214,18 @@ impl Touches {
             key.inverse = [yy / determinant, xx / determinant, -xy / determinant];
             key.peak = -(std::f32::consts::TAU.ln() + 0.5 * determinant.ln());
         }
-        let likelihoods = (0..self.keys.len()).map(|key| (key, self.of_key(key, hands)));
-        let likeliest = likelihoods.max_by(|(_, a), (_, b)| a.total_cmp(b));
+        let shifts = self.shifts(hands);
+        let mut likelihoods = [f32::NEG_INFINITY; MAX_KEYS];
+        for (key, likelihood) in likelihoods[..self.keys.len()].iter_mut().enumerate() {
+            *likelihood = self.at(tap, key, &shifts);
+        }
+        let likelihoods = &likelihoods[..self.keys.len()];
+        let all = likelihoods.iter().copied().enumerate();
+        let likeliest = all.max_by(|(_, a), (_, b)| a.total_cmp(b));
         let (likeliest, largest) = likeliest.unwrap_or((nearest, f32::NEG_INFINITY));
         self.likeliest = largest;
         for symbol in 0..self.bounds.len() {
-            let letter = self.of_letter(symbol as Symbol, hands);
+            let letter = self.letter(symbol as Symbol, |key| likelihoods[key]);
             self.bounds[symbol] =
                 letter.map_or(f32::NEG_INFINITY, |(likelihood, _)| likelihood + SLACK);
         }
@@ -228,7 +234,7 @@ impl Touches {
             .filter(|&key| {
                 matches!(self.characters[key], ' ' | '\'') || is_punctuation(self.characters[key])
             })
-            .map(|key| self.of_key(key, hands))
+            .map(|key| likelihoods[key])
             .fold(f32::NEG_INFINITY, f32::max);
         let meant = self.keys[likeliest];
         if meant.has_place && !meant.wide {
@@ -239,8 +245,8 @@ impl Touches {
         }
         self.carried.last = Some((tap, self.keys[nearest].size));
         self.near.clear();
-        for key in 0..self.keys.len() {
-            if key == nearest || self.of_key(key, hands) > self.likeliest - NEAR {
+        for (key, &likelihood) in likelihoods.iter().enumerate() {
+            if key == nearest || likelihood > self.likeliest - NEAR {
                 self.near.push(Near {
                     character: self.characters[key],
                     symbol: self.symbols[key],
@@ -314,14 +320,20 @@ impl Touches {
 
     /// Returns the log-likelihood of the tap if it means a key.
     pub fn of_key(&self, key: usize, hands: &Hands) -> f32 {
-        self.at(self.tap, key, hands)
+        self.at(self.tap, key, &self.shifts(hands))
     }
 
-    fn at(&self, tap: Millimetres, key: usize, hands: &Hands) -> f32 {
+    /// Returns the expected distance of a tap of each hand from the mean of its key.
+    pub fn shifts(&self, hands: &Hands) -> [Millimetres; 2] {
+        [0, 1].map(|hand| self.correlations.expected(hands, hand))
+    }
+
+    /// Returns the log-likelihood of a tap if it means a key, with the [`shifts`](Self::shifts) of the hands.
+    pub fn at(&self, tap: Millimetres, key: usize, shifts: &[Millimetres; 2]) -> f32 {
         let Some(key) = self.keys.get(key) else {
             return f32::NEG_INFINITY;
         };
-        let shift = self.correlations.expected(hands, key.hand);
+        let shift = shifts[key.hand];
         let x = tap[0] - key.spread.mean[0] - shift[0];
         let y = tap[1] - key.spread.mean[1] - shift[1];
         let [xx, yy, xy] = key.inverse;
@@ -331,30 +343,33 @@ impl Touches {
         near.max(far).max(self.floor)
     }
 
-    /// Returns the log-likelihood of a tap if it means a letter, and the key; `None` if the keyboard has no key for it.
-    pub fn of_letter(&self, symbol: Symbol, hands: &Hands) -> Option<(f32, usize)> {
-        self.letter_at(self.tap, symbol, hands)
-    }
-
-    /// Returns the result of [`of_letter`](Self::of_letter) for another tap.
-    pub fn letter_at(
+    /// Returns the log-likelihood of a tap if it means a letter, and the key, from the log-likelihood of each key; `None` if the keyboard
+    /// has no key for the letter.
+    pub fn letter(
         &self,
-        tap: Millimetres,
         symbol: Symbol,
-        hands: &Hands,
+        mut of_key: impl FnMut(usize) -> f32,
     ) -> Option<(f32, usize)> {
         let keys = self.letters.get(usize::from(symbol))?;
-        let own = keys
-            .own
-            .map(|key| (self.at(tap, key.into(), hands), usize::from(key)));
+        let own = keys.own.map(|key| (of_key(key.into()), usize::from(key)));
         let plain = keys.plain.map(|key| {
             let cost = if own.is_some() { self.plain_cost } else { 0.0 };
-            (self.at(tap, key.into(), hands) + cost, usize::from(key))
+            (of_key(key.into()) + cost, usize::from(key))
         });
         match (own, plain) {
             (Some(own), Some(plain)) => Some(if plain.0 > own.0 { plain } else { own }),
             (own, plain) => own.or(plain),
         }
+    }
+
+    /// Returns the number of keys.
+    pub fn count(&self) -> usize {
+        self.keys.len()
+    }
+
+    /// Returns the position of the tap.
+    pub fn position(&self) -> Millimetres {
+        self.tap
     }
 
     /// Returns the index of the space bar.
