@@ -3,21 +3,25 @@
 //! A histogram of the scores raises the limit as soon as enough better hypotheses were seen, so that most of the others are dropped
 //! before they are made.
 
+use super::options::MAX_BEAM;
 use super::token::Next;
 
 /// The hypotheses that fit, for each that is kept and at least; further ones of a tap are dropped.
 const CAPACITY: usize = 4;
 const LEAST_CAPACITY: usize = 4_000;
+// A slot has 16 bits for an index.
+const _: () = assert!(CAPACITY * MAX_BEAM <= 1 << 16 && LEAST_CAPACITY <= 1 << 16);
 /// The bins of the histogram.
 const BINS: usize = 1_024;
 /// The bins of a nat.
 const BINS_PER_NAT: f32 = 16.0;
 
+/// A place of the hash table, small so that the table stays in the fastest cache.
 #[derive(Clone, Copy, Debug, Default)]
 struct Slot {
-    key: u64,
-    round: u32,
-    index: u32,
+    /// The round in which it was used.
+    round: u16,
+    index: u16,
 }
 
 /// The hypotheses of a tap.
@@ -28,7 +32,7 @@ pub struct Beam {
     next: Vec<Next>,
     order: Vec<(f32, u32)>,
     slots: Vec<Slot>,
-    round: u32,
+    round: u16,
     width: f32,
     count: usize,
     limit: f32,
@@ -126,17 +130,16 @@ impl Beam {
             if found.round != self.round {
                 if self.next.len() < self.capacity {
                     *found = Slot {
-                        key,
                         round: self.round,
-                        index: self.next.len() as u32,
+                        index: self.next.len() as u16,
                     };
                     self.next.push(next);
                     self.count(score);
                 }
                 return;
             }
-            if found.key == key {
-                let other = &mut self.next[found.index as usize];
+            let other = &mut self.next[usize::from(found.index)];
+            if other.key() == key {
                 let worse = other.score;
                 if worse < score {
                     *other = next;
