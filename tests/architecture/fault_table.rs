@@ -635,4 +635,10 @@ pub const FAULTS: &[Row] = &[
         (BURSTS, "a_correction_deletes_nothing_after_a_press_of_another_device"),
         (BURSTS, "an_idle_thread_notices_a_press_of_another_device"),
     ])),
+    fault(111, "a tracker repeats its last positions, then measures the hand elsewhere", Tests(&[
+        ("crates/core/src/estimate/repeated_positions.rs", "a_hand_that_is_elsewhere_after_its_positions_were_repeated_has_jumped"),
+        ("tests/pipeline/repeated_positions.rs", "a_finger_that_appears_inside_a_key_has_to_leave_it_if_its_positions_were_repeated"),
+        ("tests/pipeline/repeated_positions.rs", "a_hand_that_types_while_its_tracker_repeats_positions_presses_no_other_keys"),
+        ("tests/pipeline/other_hand.rs", "a_board_whose_hand_was_repeated_presses_no_finger_where_it_appears"),
+    ])),
 ];

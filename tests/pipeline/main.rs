@@ -37,6 +37,7 @@ mod placement;
 mod press_filters;
 mod random_vectors;
 mod recorded_landmarks;
+mod repeated_positions;
 mod rig;
 mod scenarios;
 mod scripts;

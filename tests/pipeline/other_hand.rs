@@ -177,6 +177,19 @@ fn a_finger_does_not_sink_into_a_board_whose_hand_is_not_seen_for_a_moment() {
 }
 
 #[test]
+fn a_board_whose_hand_was_repeated_presses_no_finger_where_it_appears() {
+    let mut person = Person::new();
+    person.hold(1.0);
+    // Higher in the next picture, so that the key is around the finger.
+    person.left = Some(LEFT + DVec3::Y * 0.058);
+    person.hold(0.5);
+    assert_eq!(person.camera.keys(), "");
+    person.go(0.5, Some(LEFT), person.right);
+    person.go(0.5, Some(LEFT + DVec3::Y * 0.058), person.right);
+    assert_eq!(person.camera.keys(), "A");
+}
+
+#[test]
 fn readings_of_a_hand_that_stop_release_what_the_other_presses_on_it() {
     let mut person = Person::new();
     person.hold(1.0);

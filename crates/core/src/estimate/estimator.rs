@@ -7,6 +7,7 @@ use parry3d::math::Vec3;
 use super::hysteresis::HysteresisCompensation;
 use super::plausibility::{Implausible, Plausibility};
 use super::position_filter::PositionFilter;
+use super::repeated_positions::RepeatedPositions;
 use super::samples::{ChannelConverter, SampleConverter};
 use super::smoothing::Smoother;
 use super::tip_speed::{TipSpeed, Tips};
@@ -47,6 +48,7 @@ pub struct Estimator {
     /// An implausible jump, and the number of consecutive readings that agree with it.
     candidate: Option<(RawAngles, u8)>,
     tip_speed: TipSpeed,
+    repeated_positions: RepeatedPositions,
     plausibility: Plausibility,
     zero: Zero,
     /// `true` if the meaning of the counts has changed since the latest reading, so that the next estimate jumps.
@@ -91,6 +93,7 @@ impl Estimator {
             last: None,
             candidate: None,
             tip_speed: TipSpeed::default(),
+            repeated_positions: RepeatedPositions::default(),
             plausibility: Plausibility::default(),
             zero: Zero::new(settings.rest_pose),
             has_jumped: false,
@@ -138,7 +141,10 @@ impl Estimator {
         tips.remove(self.estimate.untrusted);
         let was_unseen = self.estimate.jumped || gap > self.settings.max_gap;
         self.estimate.jumped |= std::mem::take(&mut self.has_jumped);
-        let is_interrupted = was_unseen || self.estimate.jumped;
+        let was_repeated = self.repeated_positions.push(&self.estimate);
+        self.estimate.is_after_gap |= was_repeated;
+        self.estimate.misses_bends |= was_repeated;
+        let is_interrupted = was_unseen || self.estimate.jumped || was_repeated;
         if is_interrupted || !self.has_same_dofs() {
             self.smoother.reset();
         }

@@ -113,7 +113,9 @@ impl FusedEstimator {
         let mut states = self.parts.iter().filter_map(Part::state);
         let is_part_late = is_arm_late || are_fingers_late;
         self.estimate.is_after_gap = is_part_late || states.any(|state| state.is_after_gap);
-        self.estimate.misses_bends = are_fingers_late;
+        let fingers = self.parts[HandPart::Fingers.index()].state();
+        let are_bends_missing = fingers.is_some_and(|fingers| fingers.misses_bends);
+        self.estimate.misses_bends = are_fingers_late || are_bends_missing;
         Ok(&self.estimate)
     }
 

@@ -17,6 +17,7 @@ mod linearity;
 mod one_euro;
 mod plausibility;
 mod position_filter;
+mod repeated_positions;
 mod samples;
 mod settings;
 mod smoothing;
@@ -63,8 +64,9 @@ pub struct Estimate {
     pub untrusted: FingerSet,
     /// `true` if the hand was re-acquired at another position. The movement in between was not seen.
     pub jumped: bool,
-    /// `true` if the fingers or a part of the arm were not seen for so long before this reading that their movement is not known. The
-    /// pipeline adds missing readings of a hand that one source measures.
+    /// `true` if the fingers or a part of the arm were not seen for so long before this reading that their movement is not known, or if
+    /// the hand is elsewhere after its source repeated all positions. The pipeline adds missing readings of a hand that one source
+    /// measures.
     pub is_after_gap: bool,
     /// `true` if the fingers were not seen for so long, so that it is not known how they have bent. Implies `is_after_gap`.
     pub misses_bends: bool,

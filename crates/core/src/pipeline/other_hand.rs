@@ -8,7 +8,7 @@ use super::Pipeline;
 use super::hand_pipeline::HandPipeline;
 use crate::capture::Sample;
 use crate::device::Events;
-use crate::estimate::MAX_LATENESS;
+use crate::estimate::{Estimate, MAX_LATENESS};
 use crate::hand::{Joint, JointPositions};
 use crate::time::Timestamp;
 
@@ -22,7 +22,7 @@ pub(super) struct RoomState {
     seen_at: Timestamp,
     /// The time between the last two readings that showed the wrist.
     interval: Duration,
-    /// The number of times the wrist was seen late; wraps around.
+    /// The number of times the wrist was seen after a gap; wraps around.
     gaps: u32,
     /// The gaps of the other hand when its wrist was used last.
     other_gaps: u32,
@@ -34,9 +34,11 @@ pub(super) struct RoomState {
 
 impl RoomState {
     /// Records the time of a reading, if it shows the wrist.
-    fn see_wrist(&mut self, positions: &JointPositions, time: Timestamp) {
+    fn see_wrist(&mut self, positions: &JointPositions, estimate: &Estimate) {
         if positions.get(Joint::Wrist).is_some() {
-            self.gaps = self.gaps.wrapping_add(self.is_late(time).into());
+            let time = estimate.time;
+            let is_after_gap = estimate.is_after_gap || self.is_late(time);
+            self.gaps = self.gaps.wrapping_add(is_after_gap.into());
             self.interval = time.since(self.seen_at);
             self.seen_at = time;
         }
@@ -54,7 +56,7 @@ impl HandPipeline {
         match sample {
             Sample::Joints { positions } => {
                 self.room.is_measured = true;
-                self.room.see_wrist(positions, self.output.estimate.time);
+                self.room.see_wrist(positions, &self.output.estimate);
             }
             Sample::Body(_) => self.room.is_measured = false,
             _ => {}
@@ -88,7 +90,7 @@ impl Pipeline {
     }
 
     /// Returns `true` if the pose of a hand has the wrist of the other hand and the movement of that wrist until this step is not known:
-    /// the wrist is late, or was late until its last reading.
+    /// the wrist is late, or its last reading was after a gap.
     pub(super) fn is_other_wrist_late(&mut self, index: usize) -> bool {
         let mut others = self.hands.iter().enumerate();
         let other = others.find(|(other, _)| *other != index);
