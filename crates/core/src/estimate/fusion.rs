@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::last_seen::LastSeen;
 use super::{Estimate, Estimator, Implausible, MeasuredJoints, Rejection};
 use crate::capture::Reading;
 use crate::hand::{Dof, FingerSet, HandPart, Joint, JointAngles};
@@ -9,10 +10,6 @@ use crate::time::Timestamp;
 
 /// The joints that the source of the arm places.
 const ARM_JOINTS: [Joint; 3] = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
-
-/// The time by which the interval between two readings may be longer than the interval before it, while the movement still counts as
-/// known: a camera with 30 pictures per second may lose one.
-pub(crate) const MAX_LATENESS: Duration = Duration::from_millis(60);
 
 /// Returns the longest gap between two readings of the fingers in which they may enter a target: three quarters of the stall timeout.
 pub(crate) fn max_sweep(stall_timeout: Duration) -> Duration {
@@ -33,8 +30,6 @@ pub(crate) fn max_sweep(stall_timeout: Duration) -> Duration {
 pub struct FusedEstimator {
     parts: [Part; HandPart::COUNT],
     timeout: Duration,
-    /// The time between the last two readings of the arm.
-    arm_interval: Duration,
     /// The time of the latest reading of either part.
     last: Option<Timestamp>,
     /// The estimate of the latest reading, updated in place.
@@ -45,8 +40,8 @@ pub struct FusedEstimator {
 #[derive(Clone, Debug)]
 struct Part {
     estimator: Estimator,
-    /// The time of its latest reading; `None` while it is lost.
-    seen_at: Option<Timestamp>,
+    /// Its latest reading, unless it is lost.
+    seen: LastSeen,
     /// The latest state, which counts unless the part is lost.
     latest: Estimate,
 }
@@ -55,14 +50,14 @@ impl Part {
     fn new(estimator: Estimator) -> Self {
         Self {
             estimator,
-            seen_at: None,
+            seen: LastSeen::default(),
             latest: Estimate::new(Timestamp::default(), JointAngles::default()),
         }
     }
 
     /// Returns the latest state unless the part is lost.
     fn state(&self) -> Option<&Estimate> {
-        self.seen_at.map(|_| &self.latest)
+        self.seen.time().map(|_| &self.latest)
     }
 }
 
@@ -74,7 +69,6 @@ impl FusedEstimator {
         Self {
             parts: [arm, fingers].map(Part::new),
             timeout,
-            arm_interval: Duration::ZERO,
             last: None,
             estimate,
         }
@@ -87,28 +81,20 @@ impl FusedEstimator {
             return Err(Rejection::OutOfOrder);
         }
         let index = reading.part.unwrap_or(HandPart::Fingers).index();
-        let since_seen = |part: HandPart| {
-            let seen_at = self.parts[part.index()].seen_at;
-            seen_at.map_or(Duration::ZERO, |at| reading.time.since(at))
-        };
-        let arm_interval = since_seen(HandPart::Arm);
-        let are_fingers_late = since_seen(HandPart::Fingers) > max_sweep(self.timeout);
+        let [arm_seen, fingers_seen] = self.parts.each_ref().map(|part| part.seen);
+        let is_arm_late = arm_seen.is_late(reading.time);
+        let are_fingers_late = fingers_seen.age(reading.time) > max_sweep(self.timeout);
         let part = &mut self.parts[index];
         part.latest = *part.estimator.update(reading)?;
         self.last = Some(reading.time);
-        let is_arm_late = arm_interval > self.arm_interval + MAX_LATENESS;
-        if index == HandPart::Arm.index() {
-            self.arm_interval = arm_interval;
-        }
-        let is_back = part.seen_at.replace(reading.time).is_none();
+        let is_back = part.seen.time().is_none();
+        part.seen.see(reading.time);
         let mut jumped = is_back || part.latest.jumped;
         let other = &mut self.parts[1 - index];
-        let timeout = self.timeout;
-        let is_overdue = |seen_at: Timestamp| reading.time.since(seen_at) > timeout;
-        jumped |= other
-            .seen_at
-            .take_if(|seen_at| is_overdue(*seen_at))
-            .is_some();
+        if other.seen.age(reading.time) > self.timeout {
+            other.seen.lose();
+            jumped = true;
+        }
         self.fuse(reading.time, jumped);
         let mut states = self.parts.iter().filter_map(Part::state);
         let is_part_late = is_arm_late || are_fingers_late;
@@ -126,16 +112,16 @@ impl FusedEstimator {
 
     /// Forgets a part whose source was lost. Returns the other part, or `None` if that is lost too.
     pub fn lose(&mut self, part: HandPart) -> Option<&Estimate> {
-        self.parts[part.index()].seen_at = None;
+        self.parts[part.index()].seen.lose();
         self.fuse(self.estimate.time, true);
-        let is_seen = self.parts.iter().any(|it| it.seen_at.is_some());
+        let is_seen = self.parts.iter().any(|it| it.seen.time().is_some());
         is_seen.then_some(&self.estimate)
     }
 
     /// Forgets both parts.
     pub fn lose_all(&mut self) {
         for part in &mut self.parts {
-            part.seen_at = None;
+            part.seen.lose();
         }
         self.estimate.lose_hand();
     }
@@ -158,7 +144,7 @@ impl FusedEstimator {
     /// Returns the estimator of the arm, unless its source is lost.
     pub(super) fn arm(&self) -> Option<&Estimator> {
         let arm = &self.parts[HandPart::Arm.index()];
-        arm.seen_at.map(|_| &arm.estimator)
+        arm.seen.time().map(|_| &arm.estimator)
     }
 
     /// Returns the estimator of the fingers.

@@ -1,16 +1,13 @@
 //! The wrist of the other hand, from which boards and pointers with the anchor `other` are measured.
 
-use std::time::Duration;
-
 use parry3d::math::Vec3;
 
 use super::Pipeline;
 use super::hand_pipeline::HandPipeline;
 use crate::capture::Sample;
 use crate::device::Events;
-use crate::estimate::{Estimate, MAX_LATENESS};
+use crate::estimate::{Estimate, LastSeen};
 use crate::hand::{Joint, JointPositions};
-use crate::time::Timestamp;
 
 /// The relation of a hand to the room, in which both hands are measured.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,10 +15,8 @@ pub(super) struct RoomState {
     /// `true` if the source measures positions in the room. Positions of a body have their origin at the shoulder of each arm, and a glove
     /// measures none.
     is_measured: bool,
-    /// The time at which the wrist was seen last.
-    seen_at: Timestamp,
-    /// The time between the last two readings that showed the wrist.
-    interval: Duration,
+    /// The last reading that showed the wrist. The wrist stands still while it is late.
+    wrist: LastSeen,
     /// The number of times the wrist was seen after a gap; wraps around.
     gaps: u32,
     /// The gaps of the other hand when its wrist was used last.
@@ -36,17 +31,10 @@ impl RoomState {
     /// Records the time of a reading, if it shows the wrist.
     fn see_wrist(&mut self, positions: &JointPositions, estimate: &Estimate) {
         if positions.get(Joint::Wrist).is_some() {
-            let time = estimate.time;
-            let is_after_gap = estimate.is_after_gap || self.is_late(time);
+            let is_after_gap = estimate.is_after_gap || self.wrist.is_late(estimate.time);
             self.gaps = self.gaps.wrapping_add(is_after_gap.into());
-            self.interval = time.since(self.seen_at);
-            self.seen_at = time;
+            self.wrist.see(estimate.time);
         }
-    }
-
-    /// Returns `true` if the wrist stands still at `time` because it has not been seen for a while.
-    fn is_late(&self, time: Timestamp) -> bool {
-        time.since(self.seen_at) > self.interval + MAX_LATENESS
     }
 }
 
@@ -99,7 +87,7 @@ impl Pipeline {
         };
         let hand = &mut self.hands[index];
         let was_late = std::mem::replace(&mut hand.room.other_gaps, other.gaps) != other.gaps;
-        let is_late = was_late || other.is_late(hand.output.estimate.time);
+        let is_late = was_late || other.wrist.is_late(hand.output.estimate.time);
         is_late && hand.output.pose.other_wrist.is_some()
     }
 
