@@ -31,6 +31,8 @@ pub(super) struct Container<W> {
     times: Option<[Timestamp; 3]>,
     /// Records of the schemas and channels, which the summary repeats.
     declarations: Vec<u8>,
+    /// Records of the summary with the offset, length and name of each metadata record.
+    metadata_indexes: Vec<u8>,
     statistics: Statistics,
 }
 
@@ -55,6 +57,7 @@ impl<W: Write> Container<W> {
             chunk: Vec::with_capacity(CHUNK_BYTES + (CHUNK_BYTES >> 2)),
             times: None,
             declarations: Vec::new(),
+            metadata_indexes: Vec::new(),
             statistics: Statistics::default(),
         };
         container.write(MAGIC)?;
@@ -65,9 +68,10 @@ impl<W: Write> Container<W> {
         Ok(container)
     }
 
-    /// Writes a metadata record.
+    /// Writes a metadata record. Packages of MCAP find it by its index in the summary.
     pub fn write_metadata(&mut self, name: &str, fields: &[(&str, &str)]) -> io::Result<()> {
         self.statistics.metadata += 1;
+        let offset = self.written;
         self.write_record(op::METADATA, |record| {
             put_text(record, name);
             put_block(record, |record| {
@@ -76,7 +80,14 @@ impl<W: Write> Container<W> {
                     put_text(record, value);
                 }
             });
-        })
+        })?;
+        let length = self.written - offset;
+        put_record(&mut self.metadata_indexes, op::METADATA_INDEX, |record| {
+            record.extend(offset.to_le_bytes());
+            record.extend(length.to_le_bytes());
+            put_text(record, name);
+        });
+        Ok(())
     }
 
     /// Writes a channel and its schema. Returns the id of both; the first one is 1.
@@ -173,6 +184,8 @@ impl<W: Write> Container<W> {
         self.checksum = crc32fast::Hasher::new();
         let declarations = std::mem::take(&mut self.declarations);
         self.write(&declarations)?;
+        let metadata_indexes = std::mem::take(&mut self.metadata_indexes);
+        self.write(&metadata_indexes)?;
         let statistics = std::mem::take(&mut self.statistics);
         self.write_record(op::STATISTICS, |record| statistics.put(record))?;
         // The checksum of the summary includes the footer up to the checksum.
@@ -267,4 +280,35 @@ fn put_block(out: &mut Vec<u8>, put: impl FnOnce(&mut Vec<u8>)) {
 
 fn put_text(out: &mut Vec<u8>, text: &str) {
     put_block(out, |out| out.extend(text.as_bytes()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_metadata_record_is_found_by_the_index_in_the_summary() {
+        let mut bytes = Vec::new();
+        let mut container = Container::new(&mut bytes, "test").unwrap();
+        let texts = [("glove", "(1)"), ("layout", "(2)")];
+        for (kind, text) in texts {
+            let fields = [("kind", kind), ("text", text)];
+            container.write_metadata("setup", &fields).unwrap();
+        }
+        container
+            .add_channel("/readings", "protobuf", "a", b"")
+            .unwrap();
+        container.finish().unwrap();
+        let summary = mcap::Summary::read(&bytes).unwrap().expect("a summary");
+        let found = summary.metadata_indexes.iter().map(|index| {
+            assert_eq!(index.name, "setup");
+            let mut fields = mcap::read::metadata(&bytes, index).unwrap().metadata;
+            (
+                fields.remove("kind").unwrap(),
+                fields.remove("text").unwrap(),
+            )
+        });
+        let expected = texts.map(|(kind, text)| (kind.to_owned(), text.to_owned()));
+        assert_eq!(found.collect::<Vec<_>>(), expected);
+    }
 }
