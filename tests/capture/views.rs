@@ -67,6 +67,13 @@ fn the_end_of_a_pause_is_shown_without_another_reading() {
     }
 }
 
+#[test]
+fn a_viewer_that_comes_while_no_readings_come_sees_the_present_state() {
+    let session = start(SilentSource::default());
+    session.commands().request(Command::Pause).unwrap();
+    assert!(shows_pause(&session.add_viewer(), true));
+}
+
 /// Waits for a view that says this of the headset.
 fn shows_headset(viewer: &Viewer, words: Option<&str>) -> bool {
     let next = || viewer.views().recv_timeout(TIMEOUT).ok();

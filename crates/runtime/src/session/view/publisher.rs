@@ -56,7 +56,8 @@ pub(super) struct Published {
     pub state: ViewState,
 }
 
-/// Publishes views of the session loop. Allocates only while there is a viewer, and for the values of more than [`VALUES`] controls.
+/// Publishes views of the session loop. A step with a reading allocates only while there is a viewer, and for the values of more
+/// than [`VALUES`] controls.
 pub(in crate::session) struct ViewPublisher {
     views: LatestSender<Published>,
     /// The number of viewers.
@@ -279,8 +280,11 @@ impl Observer for ViewPublisher {
         }
         self.rate.update(step.stats.source.readings, now);
         if self.viewers.load(Ordering::Relaxed) == 0 {
-            // The next viewer must not see an old pose.
-            self.poses.iter_mut().for_each(|pose| *pose = None);
+            // The next viewer must not see an old pose. While no reading comes, no view follows the first one.
+            self.poses = Default::default();
+            if step.reading.is_none() {
+                self.publish(step, pipeline);
+            }
             return;
         }
         self.update_poses(step);
