@@ -146,7 +146,12 @@ pub enum InvalidCommand {
 impl Command {
     /// Parses a JSON object and checks it.
     pub fn from_json(text: &str) -> Result<Self, InvalidCommand> {
-        let syntax = |error: serde_json::Error| InvalidCommand::Syntax(error.to_string());
+        let syntax = |error: serde_json::Error| {
+            let example = r#"{"command":"state"}"#;
+            InvalidCommand::Syntax(format!(
+                "not a command: {error}; write a JSON object such as {example}"
+            ))
+        };
         let fields: Map<String, Value> = serde_json::from_str(text).map_err(syntax)?;
         let name = fields.get("command").ok_or_else(|| no_command(&fields))?;
         let name = name.as_str().ok_or(InvalidCommand::NoCommand)?;

@@ -87,7 +87,7 @@ fn invalid_commands_are_explained() {
         ),
         (
             r#"{"command":"tilt","deg":1e999}"#,
-            "number out of range at line 1",
+            "not a command: number out of range at line 1",
         ),
         (
             r#"{"command":"tilt","deg":"1"}"#,
@@ -95,17 +95,20 @@ fn invalid_commands_are_explained() {
         ),
         (
             r#"{"command":"pause","command":"stop"}"#,
-            "duplicate field `command`",
+            "not a command: duplicate field `command`",
         ),
         (
             r#"{"command":"tilt","deg":1,"deg":2}"#,
-            "duplicate field `deg`",
+            "not a command: duplicate field `deg`",
         ),
-        ("", "EOF while parsing a value"),
-        ("[1]", "invalid type: sequence, expected a map"),
+        ("", "not a command: EOF while parsing a value"),
+        (
+            "[1]",
+            "not a command: invalid type: sequence, expected a map",
+        ),
         (
             r#"{"command":"state"}{"command":"stop"}"#,
-            "trailing characters",
+            "not a command: trailing characters",
         ),
     ];
     for (text, expected) in table {
