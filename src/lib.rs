@@ -85,6 +85,9 @@
 //!
 //! The world frame is right-handed: +X to the wearer's right, +Y up, −Z forward. Lengths are in metres, angles in radians,
 //! times in microseconds. Files for users have their units in the names of their fields, such as `pitch_mm`.
+//! Vectors and poses have the types of [`parry3d`] in single and of [`glam`] in double precision.
+
+pub use ademan_core::{arrayvec, glam, parry3d};
 
 pub use ademan_core::{
     calibrate, command, contact, device, document, editing, estimate, geometry, hand, kinematics,

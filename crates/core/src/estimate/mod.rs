@@ -227,3 +227,5 @@ named_enum! {
         Collapsed = "collapsed",
     }
 }
+
+impl std::error::Error for Rejection {}

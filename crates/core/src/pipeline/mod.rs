@@ -76,6 +76,50 @@ pub struct StepOutput {
 ///
 /// [`step`](Self::step) does not allocate, block, fail or read a clock: the same readings produce the
 /// same events.
+///
+/// A straight hand arms the output, and a nod of its index finger presses the key below it:
+///
+/// ```
+/// use ademan_core::capture::{Reading, Sample};
+/// use ademan_core::device::{EventKind, Events, KeyCode};
+/// use ademan_core::document::Document;
+/// use ademan_core::estimate::{Estimator, EstimatorSettings};
+/// use ademan_core::hand::{Dof, JointAngles};
+/// use ademan_core::kinematics::ArmModel;
+/// use ademan_core::layout::Layout;
+/// use ademan_core::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+/// use ademan_core::time::Timestamp;
+///
+/// let text = r#"Layout(name: "One key", boards: [(
+///     pose: (anchor: wrist, forward_mm: 120, height_mm: -70), size_mm: Box(60, 60), travel_mm: 20,
+///     keys: [(code: "Space", name: "big", at_mm: (0, 0))],
+/// )])"#;
+/// let layout = Layout::parse(text, "one-key.ron")?;
+/// let mut pipeline = Pipeline::new(
+///     Estimator::new(EstimatorSettings::default()),
+///     ArmModel::parse(&Document::shipped("unam")?)?,
+///     LayoutInstance::from_layout(&layout),
+///     PipelineSettings::default(),
+/// );
+/// let mut events = Events::new();
+/// let mut keys = Vec::new();
+/// for hundredths in 0..150 {
+///     let mut angles = JointAngles::default();
+///     let nod = f64::from(hundredths.max(50) - 50) / 100.0;
+///     angles.set(Dof::IndexMcpFlexion, 0.6 - 0.6 * (std::f64::consts::TAU * nod).cos());
+///     let time = Timestamp::from_seconds(f64::from(hundredths) / 100.0);
+///     // `step` appends to the events.
+///     events.clear();
+///     let output = pipeline.step(&Reading::new(time, None, Sample::Angles { angles }), &mut events)?;
+///     for press in &output.presses {
+///         assert_eq!(layout.target_names().get(press.target).to_string(), "big");
+///     }
+///     keys.extend(events.iter().map(|event| event.kind));
+/// }
+/// let space: KeyCode = "Space".parse()?;
+/// assert_eq!(keys, [EventKind::KeyDown(space), EventKind::KeyUp(space)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Pipeline {
     /// The hands, one or two.
     hands: Vec<HandPipeline>,

@@ -111,6 +111,8 @@ impl fmt::Display for PacketError {
     }
 }
 
+impl std::error::Error for PacketError {}
+
 impl From<serde_json::Error> for PacketError {
     fn from(error: serde_json::Error) -> Self {
         // Each packet is a text of its own: its first line is any line of a file.
