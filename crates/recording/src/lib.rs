@@ -7,6 +7,10 @@
 //!
 //! Recordings of format 1 have messages in JSON outside chunks. They are read and no longer written.
 //!
+//! [`Recording`] reads the readings and the commands. Angles, touches, presses and events follow from them and the setup: a replay
+//! (`session::replay` of `ademan_runtime`) computes them again, also on another layout. Other programs read the recorded ones with the
+//! schema in the file.
+//!
 //! - [`message`] encodes and decodes messages.
 //! - [`kind`] lists the kinds of setup texts.
 //!

@@ -135,6 +135,46 @@ pub type LogFailureReceiver = Box<dyn Fn(&OutputError) + Send>;
 /// A receiver of events.
 ///
 /// Dropping a sink releases every pressed key, as [`close`](Self::close) does.
+///
+/// An output of one's own takes the place of the outputs of the setup:
+///
+/// ```
+/// use std::sync::mpsc::{Sender, channel};
+///
+/// use ademan_core::device::{EventKind, OutputEvent};
+/// use ademan_runtime::output::{OutputError, Sink};
+/// use ademan_runtime::session::{Session, SessionOptions};
+/// use ademan_runtime::setup::Setup;
+///
+/// /// Sends the names of the keys that go down.
+/// struct KeyNames(Sender<&'static str>);
+///
+/// impl Sink for KeyNames {
+///     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
+///         for event in events {
+///             if let EventKind::KeyDown(key) = event.kind {
+///                 self.0.send(key.name()).map_err(|error| OutputError::Send {
+///                     output: "key names".into(),
+///                     reason: error.to_string(),
+///                 })?;
+///             }
+///         }
+///         Ok(())
+///     }
+///
+///     /// It holds no keys.
+///     fn close(&mut self) -> Result<(), OutputError> {
+///         Ok(())
+///     }
+/// }
+///
+/// let (sender, names) = channel();
+/// let setup = Setup { source: Some("typist:hi".parse()?), ..Setup::default() };
+/// let options = SessionOptions { output: Some(Box::new(KeyNames(sender))), ..SessionOptions::default() };
+/// Session::start(setup.load_files()?, options)?.join()?;
+/// assert_eq!(names.iter().collect::<Vec<_>>(), ["H", "I"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Sink: Send {
     /// Sends the events of one step, in order; the list may be empty. Does not block, except in a lossless log (see
     /// [`drop_when_full`](Self::drop_when_full)).

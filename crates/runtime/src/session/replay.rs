@@ -19,7 +19,25 @@ const NO_OUTPUT: &str = "none";
 /// Passes the readings of a recording through the pipeline of `setup` as fast as possible, until it ends or a `Stop` command
 /// arrives. Nothing is sent to an output.
 ///
-/// `observe` sees every step, the time of the latest accepted reading, and a view if one is due.
+/// `observe` sees every step, the pipeline after it, and a view if one is due.
+///
+/// ```no_run
+/// use std::path::Path;
+///
+/// use ademan_runtime::capture::recording::Replay;
+/// use ademan_runtime::session::{CommandReceiver, replay};
+/// use ademan_runtime::setup::{LoadedSetup, ReplaySettings};
+///
+/// let recording = Replay::open(Path::new("hand.mcap"))?;
+/// let setup = LoadedSetup::from_recording(recording.setup(), &ReplaySettings::default())?;
+/// replay(&setup, recording, &CommandReceiver::disconnected(), &mut |step, _, _| {
+///     for press in step.presses {
+///         let (seconds, target) = (press.time.seconds(), step.target_names.get(press.target));
+///         println!("{seconds:.3} s {} {target}", press.finger);
+///     }
+/// })?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn replay(
     setup: &LoadedSetup,
     source: impl Source + 'static,
