@@ -175,8 +175,8 @@ mod tests {
     #[test]
     fn an_error_of_json_has_the_column_in_its_line() {
         let error = serde_json::from_str::<[f64; 3]>("[1,2,x]").expect_err("no number");
-        let text = PacketError::from(error).to_string();
-        assert_eq!(text, "expected value at column 6");
+        let error: Box<dyn std::error::Error> = PacketError::from(error).into();
+        assert_eq!(error.to_string(), "expected value at column 6");
     }
 
     #[test]
