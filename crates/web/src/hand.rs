@@ -48,7 +48,7 @@ fn format_of(text: &str) -> Result<StreamFormat, String> {
     let mut format = StreamFormat::new(known);
     for pair in options.split('&').filter(|it| !it.is_empty()) {
         let (option, value) = pair.split_once('=').unwrap_or((pair, ""));
-        let found = known.options.iter().find(|it| it.name == option);
+        let found = known.option(option);
         let found = found.ok_or_else(|| format!("`{name}` has no such option"))?;
         format.options.set(found, value)?;
     }

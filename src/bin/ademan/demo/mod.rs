@@ -269,8 +269,7 @@ fn byte_format(setup: &LoadedSetup, line: &Hc11Format) -> Result<StreamFormat, F
         return Ok(StreamFormat::from(*line));
     };
     let mut format = StreamFormat::new(protocol);
-    let mut options = format.protocol.options.iter();
-    if let Some(rate) = options.find(|option| option.name == "rate_hz") {
+    if let Some(rate) = format.protocol.option("rate_hz") {
         let rate_hz = 1.0 / line.packet_period().as_secs_f64();
         let set = format.options.set(rate, &format!("{rate_hz:.3}"));
         set.map_err(Failure::job)?;

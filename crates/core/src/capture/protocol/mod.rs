@@ -111,6 +111,23 @@ pub enum Carriers {
 }
 
 impl Protocol {
+    /// Returns the option with this name.
+    ///
+    /// ```
+    /// use ademan_core::capture::StreamFormat;
+    /// use ademan_core::capture::protocol::hand_landmarks;
+    ///
+    /// let mut format = StreamFormat::new(&hand_landmarks::PROTOCOL);
+    /// let camera = format.protocol.option("camera").expect("an option of the protocol");
+    /// format.options.set(camera, "head")?;
+    /// assert_eq!(format.to_string(), "?protocol=hand-landmarks&camera=head");
+    /// # Ok::<(), String>(())
+    /// ```
+    pub fn option(&self, name: &str) -> Option<&'static ProtocolOption> {
+        let mut options = self.options.iter().copied();
+        options.find(|option| option.name == name)
+    }
+
     /// Returns the name of the device or program that uses the protocol: the start of its summary.
     pub fn title(&self) -> &'static str {
         let end = self.summary.find([',', ':']);
@@ -260,8 +277,7 @@ impl StreamFormat {
 
     /// Returns the hand that the option `hand` names; `None` if the protocol does not have it.
     pub fn hand(&self) -> Option<Side> {
-        let mut options = self.protocol.options.iter();
-        let option = options.find(|option| option.name == space::HAND.name)?;
+        let option = self.protocol.option(space::HAND.name)?;
         self.options.get(option).parse().ok()
     }
 

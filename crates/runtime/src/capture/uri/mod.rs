@@ -448,8 +448,7 @@ fn unknown_name(kind: &'static str, text: &str, available: &[&str]) -> String {
 }
 
 fn set_option(format: &mut StreamFormat, key: &str, value: &str) -> Result<(), String> {
-    let options = format.protocol.options;
-    match options.iter().find(|option| option.name == key) {
+    match format.protocol.option(key) {
         Some(option) => format.options.set(option, value),
         None if key == "hand" && format.protocol.has_both_hands => Err(format!(
             "protocol `{}` has no option `hand`, as its packets have both arms; `other_hand` in the setup adds the left one",
@@ -457,9 +456,8 @@ fn set_option(format: &mut StreamFormat, key: &str, value: &str) -> Result<(), S
         )),
         None => {
             let names = ["protocol", "baud", "delay_ms"].into_iter();
-            let names: Vec<&str> = names
-                .chain(options.iter().map(|option| option.name))
-                .collect();
+            let options = format.protocol.options.iter();
+            let names: Vec<&str> = names.chain(options.map(|option| option.name)).collect();
             Err(unknown_name("option", key, &names))
         }
     }
