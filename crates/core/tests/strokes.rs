@@ -3,9 +3,11 @@
 mod motion;
 mod row;
 
-use ademan_core::contact::Phase;
-use ademan_core::hand::{Finger, Side};
+use ademan_core::contact::surface::Target;
+use ademan_core::contact::{Phase, Touch};
+use ademan_core::hand::{Finger, FingerSet, Side};
 use ademan_core::kinematics::HandPose;
+use ademan_core::layout::Layout;
 use ademan_core::time::Timestamp;
 use motion::{minimum_jerk, normal};
 use parry3d::math::Vec3;
@@ -57,6 +59,79 @@ fn the_way_below_the_plane_counts_and_not_the_point_at_the_plane() {
         row.tap(&way);
         assert_eq!(row.pressed(), [(Finger::Index, key)], "{is_struck}");
     }
+}
+
+/// The thumb alone.
+fn thumb() -> FingerSet {
+    FingerSet::NONE.with(Finger::Thumb)
+}
+
+#[test]
+fn a_thumb_strikes_on_a_board_that_other_fingers_press_by_planes() {
+    // It passes the plane above key 1, and turns above key 2.
+    for (finger, key) in [(Finger::Thumb, 2), (Finger::Index, 1), (Finger::Little, 1)] {
+        let mut row = Row::struck_by(thumb());
+        row.tap(&[(finger, at(1, 6.0, 15.0), at(2, -8.0, -9.0))]);
+        assert_eq!(row.pressed(), [(finger, key)]);
+    }
+}
+
+#[test]
+fn beside_a_thumb_that_strikes_fingers_press_exactly_as_by_planes() {
+    let touches = |struck_by, seed| {
+        let mut random = fastrand::Rng::with_seed(seed);
+        let mut row = Row::struck_by(struck_by);
+        let mut pads = [Vec3::ZERO; Finger::COUNT];
+        for (index, pad) in pads.iter_mut().enumerate() {
+            *pad = at(index as u32, 0.0, 10.0);
+        }
+        for _ in 0..200 {
+            // Each finger goes to another point, some of them together, between 15 mm above the keys and 8 mm below.
+            let ways = Finger::ALL.iter().map(|&finger| {
+                let pad = &mut pads[finger.index()];
+                let from = *pad;
+                if random.bool() {
+                    let height = 15.0 - 23.0 * random.f32();
+                    *pad = at(random.u32(..5), 20.0 * (random.f32() - 0.5), height);
+                }
+                (finger, from, *pad)
+            });
+            let ways: Vec<_> = ways.collect();
+            row.go(&ways, 30 + random.u64(..90));
+        }
+        row.touches
+    };
+    let of_fingers = |all: &[Touch]| -> Vec<Touch> {
+        let fingers = all.iter().filter(|it| it.finger != Finger::Thumb);
+        fingers.copied().collect()
+    };
+    for seed in 0..10 {
+        let (planes, strokes) = (touches(FingerSet::NONE, seed), touches(thumb(), seed));
+        assert_ne!(planes, strokes, "the thumb strikes");
+        let fingers = of_fingers(&planes);
+        assert!(fingers.len() > 200, "{}", fingers.len());
+        assert_eq!(fingers, of_fingers(&strokes));
+    }
+}
+
+#[test]
+fn a_layout_whose_thumb_strikes_has_the_gaps_of_planes() {
+    let targets = |press: &str| -> (Vec<Target>, bool) {
+        let text = format!(
+            "Layout(name: \"Row\", boards: [(pose: (anchor: elbow), press: {press}, \
+             rows: [(at_mm: (0, 0), keys: \"A B C\")])])"
+        );
+        let layout = Layout::parse(&text, "row.ron").expect("a valid layout");
+        let [board] = layout.scene.surfaces() else {
+            panic!("one board");
+        };
+        let targets = board.targets().map(|(_, target)| *target);
+        (targets.collect(), board.has_struck_targets())
+    };
+    let (planes, has_struck_targets) = targets("Plane");
+    assert!(!has_struck_targets);
+    assert_eq!(targets("ThumbStroke"), (planes.clone(), true));
+    assert_ne!(targets("Stroke"), (planes, true));
 }
 
 #[test]

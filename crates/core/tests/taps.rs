@@ -9,7 +9,7 @@ use ademan_core::device::{
     DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, TimedCommands, VirtualDevice,
 };
 use ademan_core::estimate::JointAngles;
-use ademan_core::hand::{Finger, Joint, Side};
+use ademan_core::hand::{Finger, FingerSet, Joint, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 use ademan_core::time::Timestamp;
@@ -309,7 +309,7 @@ fn the_noise_of_a_tracker_types_hardly_any_letter_twice_and_misses_hardly_any() 
     let plane = Board::qwerty();
     let mut struck = Board::qwerty();
     for &(target, ..) in &struck.all {
-        struck.scene.set_struck(target);
+        struck.scene.set_struck(target, FingerSet::ALL);
     }
     // The limits of strokes, inserted and missed: the first reading above the front ends a stroke, so that noise inserts more letters than
     // with the plane; and two points of a tap that are noisy by 2 mm are now and then as far apart as half the pitch, as if the hand passed

@@ -15,17 +15,18 @@ use crate::time::Timestamp;
 const LOOKUP: f32 = 1e-3;
 
 impl StepContext<'_> {
-    /// Returns `true` if the target of an entry is pressed by strokes.
-    pub(super) fn is_struck(&self, location: TargetLocation, index: u32) -> bool {
+    /// Returns `true` if a finger presses the target of an entry by strokes.
+    pub(super) fn is_struck(&self, location: TargetLocation, index: u32, finger: Finger) -> bool {
         let surface = self.scene.surfaces().get(location.surface);
-        surface.is_some_and(|surface| surface.is_struck(index))
+        surface.is_some_and(|surface| surface.is_struck(index, finger))
     }
 
-    /// Returns the target below a point of another target (its frame, metres), and the point in the frame of that target.
+    /// Returns the target that a finger strikes below a point of another target (its frame, metres), and the point in the frame of
+    /// that target.
     fn target_at(
         &self,
-        location: TargetLocation,
-        target: &Target,
+        finger: Finger,
+        (location, target): (TargetLocation, &Target),
         point: Vec3,
     ) -> Option<(TargetLocation, &Target, Vec3)> {
         let surface = self.scene.surfaces().get(location.surface)?;
@@ -36,7 +37,7 @@ impl StepContext<'_> {
         let id = surface.target_id(found.index);
         let other = surface
             .target(id)
-            .filter(|_| surface.is_struck(found.index))?;
+            .filter(|_| surface.is_struck(found.index, finger))?;
         let on_surface = target.surface_from_target * point;
         let at = other
             .surface_from_target
@@ -155,6 +156,7 @@ fn decide(
     step: &StepContext,
 ) -> Decision {
     let at = sweep.to;
+    let entered = (stroke.location, target);
     let has_turned = is_over || stroke.has_turned(finger, at, step.end);
     if !stroke.is_fast() {
         return Decision::Wait;
@@ -171,12 +173,12 @@ fn decide(
     }
     if has_turned {
         let intended = stroke.intended(finger, at);
-        let found = step.target_at(stroke.location, target, intended);
+        let found = step.target_at(finger, entered, intended);
         let (location, _, place) = found.unwrap_or((stroke.location, target, intended));
         return Decision::Press(location, place);
     }
-    let now = step.target_at(stroke.location, target, at);
-    let end = step.target_at(stroke.location, target, stroke.extrapolated_end(at, target));
+    let now = step.target_at(finger, entered, at);
+    let end = step.target_at(finger, entered, stroke.extrapolated_end(at, target));
     let Some(((location, below, now), (end_location, _, end))) = now.zip(end) else {
         return Decision::Wait;
     };

@@ -5,7 +5,7 @@ use parry3d::math::{Pose, Vec3};
 use super::TargetId;
 use super::front_index::FrontIndex;
 pub use super::target::{DRAG_MARGIN, Shape, Share, TREMOR_MARGIN, Target};
-use crate::hand::{BodyPoint, Finger, Joint, Side};
+use crate::hand::{BodyPoint, Finger, FingerSet, Joint, Side};
 use crate::kinematics::HandPose;
 
 /// The reference point of a surface.
@@ -50,8 +50,8 @@ pub struct Surface {
     targets: Vec<Target>,
     /// The fingers that press the targets by bending, in their order; empty if fingertips press them by touch.
     bent_by: Vec<Finger>,
-    /// `true` for each target that strokes press; empty if there is none.
-    struck: Vec<bool>,
+    /// The fingers whose strokes press each target; empty if strokes press none.
+    struck: Vec<FingerSet>,
     fronts: FrontIndex,
 }
 
@@ -120,9 +120,10 @@ impl Surface {
         Some((self.target_id(index as u32), &self.targets[index]))
     }
 
-    /// Returns `true` if the target with this index on the surface is pressed by strokes.
-    pub(super) fn is_struck(&self, index: u32) -> bool {
-        self.struck.get(index as usize).is_some_and(|it| *it)
+    /// Returns `true` if a finger presses the target with this index on the surface by strokes.
+    pub(super) fn is_struck(&self, index: u32, finger: Finger) -> bool {
+        let fingers = self.struck.get(index as usize);
+        fingers.is_some_and(|fingers| fingers.contains(finger))
     }
 
     /// Returns `true` if any target is pressed by strokes.
@@ -299,13 +300,14 @@ impl Scene {
         }
     }
 
-    /// Makes a target pressed by strokes: by the lowest point of a fingertip that goes through its front and turns. Otherwise the
-    /// target whose front a fingertip enters is pressed, at the press depth.
-    pub fn set_struck(&mut self, target: TargetId) {
+    /// Makes a target pressed by strokes of these fingers: by the lowest point of a fingertip that goes through its front and turns.
+    /// Other fingers press the target whose front they enter, at the press depth.
+    pub fn set_struck(&mut self, target: TargetId, fingers: FingerSet) {
         for surface in &mut self.surfaces {
             if surface.target(target).is_some() {
-                surface.struck.resize(surface.targets.len(), false);
-                surface.struck[(target.0 - surface.first) as usize] = true;
+                let targets = surface.targets.len();
+                surface.struck.resize(targets, FingerSet::NONE);
+                surface.struck[(target.0 - surface.first) as usize] = fingers;
             }
         }
     }

@@ -38,7 +38,7 @@ pub struct ContactTracker {
     /// The fingertip positions, for each surface of the scene.
     positions: Vec<FingertipPositions>,
     fingers: [FingerState; Finger::COUNT],
-    /// `true` if strokes press the targets.
+    /// `true` if strokes press any target.
     has_strokes: bool,
     flexion: Flexion,
 }
@@ -384,7 +384,7 @@ impl FingerState {
             return;
         };
         let Crossing { t, sweep, .. } = entry.crossing;
-        if step.is_struck(entry.location, entry.crossing.index) {
+        if step.is_struck(entry.location, entry.crossing.index, finger) {
             let stroke = Stroke::new(entry.location, sweep.from, sweep.point_at(t));
             self.strike(stroke, finger, t, step);
             return;

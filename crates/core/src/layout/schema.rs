@@ -123,6 +123,8 @@ schema! {
         /// A fingertip presses the key whose plane it passes, at `press_at`.
         #[default]
         Plane,
+        /// As `Plane`, but a thumb presses the key at which it turns, as with `Stroke`.
+        ThumbStroke,
         /// A fingertip presses the key below the middle of its way from the plane to its lowest point. Fingers that follow a pressing
         /// one or sink slowly press nothing, and the keys at the edge reach by a whole key.
         Stroke,

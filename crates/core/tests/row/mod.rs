@@ -2,7 +2,7 @@
 
 use ademan_core::contact::surface::{Anchor, Scene, Shape, Share, TREMOR_MARGIN, Target};
 use ademan_core::contact::{ContactTracker, TargetId, Touch, Touches};
-use ademan_core::hand::{Finger, Joint, Side};
+use ademan_core::hand::{Finger, FingerSet, Joint, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
@@ -35,6 +35,15 @@ pub type Pads<'a> = &'a [(Finger, Vec3)];
 
 impl Row {
     pub fn new(is_struck: bool) -> Self {
+        Self::struck_by(if is_struck {
+            FingerSet::ALL
+        } else {
+            FingerSet::NONE
+        })
+    }
+
+    /// Creates a row whose keys these fingers press by strokes, and others by planes.
+    pub fn struck_by(fingers: FingerSet) -> Self {
         let key = |index: u32| Target {
             shape: Shape::Box(Vec2::splat(0.0085)),
             share: Share {
@@ -50,8 +59,10 @@ impl Row {
         let mut scene = Scene::new();
         let up = Pose::from_rotation(Rotation::from_rotation_x(-std::f32::consts::FRAC_PI_2));
         scene.add_surface(Anchor::World, up, (0..5).map(key).collect());
-        for index in (0..5).filter(|_| is_struck) {
-            scene.set_struck(TargetId(index));
+        if !fingers.is_empty() {
+            for index in 0..5 {
+                scene.set_struck(TargetId(index), fingers);
+            }
         }
         Self {
             tracker: ContactTracker::new(&scene),

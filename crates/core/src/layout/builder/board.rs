@@ -8,7 +8,7 @@ use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, Shape, Share, TREMOR_MARGIN, Target};
 use crate::device::keyboard::Activation;
 use crate::document::{DocumentError, Spanned, line_number};
-use crate::hand::{Finger, Side};
+use crate::hand::{Finger, FingerSet, Side};
 use crate::layout::board_shape::BoardShape;
 use crate::layout::fit::PoseFit;
 use crate::layout::gaps::Neighborhood;
@@ -211,20 +211,23 @@ impl<'a> LayoutBuilder<'a> {
                     .add_surface_for(side, anchor, anchor_from_board, targets)
             }
         };
-        if draft.settings.press == PressSchema::Stroke
-            && draft.settings.contact == ContactSchema::Touch
-        {
-            self.strike_keys(board.keys.clone());
+        let struck_by = match (draft.settings.contact, draft.settings.press) {
+            (ContactSchema::Bend, _) | (_, PressSchema::Plane) => FingerSet::NONE,
+            (_, PressSchema::ThumbStroke) => FingerSet::NONE.with(Finger::Thumb),
+            (_, PressSchema::Stroke) => FingerSet::ALL,
+        };
+        if !struck_by.is_empty() {
+            self.strike_keys(board.keys.clone(), struck_by);
         }
         self.boards.push(board);
         checked
     }
 
-    /// Lets strokes press keys, except keys that wait for a fingertip to dwell.
-    fn strike_keys(&mut self, keys: std::ops::Range<usize>) {
+    /// Lets strokes of fingers press keys, except keys that wait for a fingertip to dwell.
+    fn strike_keys(&mut self, keys: std::ops::Range<usize>, fingers: FingerSet) {
         for key in &self.keys[keys] {
             if !matches!(key.activation, Activation::Dwell(_)) {
-                self.scene.set_struck(key.face.target);
+                self.scene.set_struck(key.face.target, fingers);
             }
         }
     }
@@ -417,7 +420,7 @@ impl BoardDraft<'_> {
         let outlines: Vec<Outline> = self.outlines.iter().map(|(it, _, _)| *it).collect();
         let neighbors = Neighborhood::new(&outlines);
         let part = match self.settings.press {
-            PressSchema::Plane => 0.5,
+            PressSchema::Plane | PressSchema::ThumbStroke => 0.5,
             PressSchema::Stroke => STROKE_SHARE,
         };
         for &(target, outline) in &self.keys_in_plane {
