@@ -296,6 +296,11 @@ impl LineParser for LucidParser {
         Ok(())
     }
 
+    /// Forgets the splays and joints: the next line may be of another glove, or of the same one with other firmware.
+    fn reset(&mut self) {
+        self.named = ChannelSet::NONE;
+    }
+
     fn may_lack_start(line: &[u8]) -> bool {
         // The first number of a legacy line may lack digits. An alpha line may lack its first fields, as if a finger had no sensor.
         is_legacy(line) || !line.starts_with(b"A")

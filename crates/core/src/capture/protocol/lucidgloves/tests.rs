@@ -158,6 +158,23 @@ fn a_joint_and_a_splay_that_an_earlier_line_had_are_0_if_they_are_left_out() {
 }
 
 #[test]
+fn a_glove_that_connects_again_may_measure_less() {
+    let mut decoder = decoder(FULL_SCALE);
+    let mut seen = Vec::new();
+    // The curl, the splay and the second joint of the index finger.
+    let mut emit = |packet: Packet| {
+        let Sample::Channels(channels) = packet.sample else {
+            panic!("a glove sends channels");
+        };
+        seen.push([CURL + 1, SPLAY + 1, JOINT + JOINTS + 2].map(|it| channels.counts[it]));
+    };
+    decoder.push(b"B900(BB)7(BAC)300\n", &mut emit);
+    decoder.reset();
+    decoder.push(b"B800\n", &mut emit);
+    assert_eq!(seen, [[900, 7, 300], [800, MIDDLE, 800]]);
+}
+
+#[test]
 fn unknown_keys_are_ignored() {
     let plain = Fields::parse(b"A1B2");
     assert!(plain.is_ok());
