@@ -181,7 +181,7 @@ async function play(file) {
     const text = await file.text();
     if (file.name.endsWith(".ron")) return file.size > MAX_LAYOUT_BYTES ? notify("the layout is larger than 1 MiB") : openLayout(text);
     const protocol = protocolOf(text);
-    if (!protocol) return notify("the file is not a recording (.mcap), not motion capture (BVH), and not lines with hands of a headset or webcam; a layout ends with .ron");
+    if (!protocol) return notify("the file is neither a recording (.mcap) nor motion capture (BVH) nor lines with hands of a headset or webcam; a layout ends with .ron");
     if (protocol.startsWith("bvh")) await (await import("./full.js")).loadFull(stages, begin);
     const { readings, refused, error } = stages.playFile(protocol, text);
     notify(error ?? `${counted(readings)} of ${protocol.split("?")[0]}${refused ? `; the rest cannot be read: ${refused}` : ""}`);

@@ -43,7 +43,7 @@ fn a_dropped_file_is_played_or_says_why_not() {
         (
             "notes.txt",
             "nothing",
-            "the file is not a recording (.mcap), not motion capture (BVH)",
+            "the file is neither a recording (.mcap) nor motion capture (BVH)",
         ),
     ] {
         drop_file(&mut browser, name, text.as_bytes());
