@@ -17,7 +17,7 @@ pub(super) type Writer = Box<dyn FnMut(&[u8]) -> io::Result<usize> + Send>;
 /// Time between two tries to write to a full device.
 const RETRY_DELAY: Duration = Duration::from_millis(2);
 
-/// Tries to write to a full device after the session has ended, without waiting for it: 5 s, in which a receiver that was stopped for a
+/// The tries to write to a full device once the session no longer waits for the thread: 5 s, in which a receiver that was stopped for a
 /// moment still gets the ends of its notes.
 const LAST_TRIES: u32 = 2500;
 
@@ -85,7 +85,7 @@ impl MidiThread {
         };
         if self.ended.recv_timeout(CLOSE_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
             self.is_abandoned.store(true, Ordering::Relaxed);
-            return Err("it did not end within 1 s, and notes may sound on".into());
+            return Err("it did not end within 1 s, and notes may keep sounding".into());
         }
         handle.join().map_err(|_| "its thread panicked".into())
     }
