@@ -8,12 +8,12 @@ use super::{Estimate, MeasuredJoints};
 use crate::hand::Displacement;
 use crate::time::Timestamp;
 
-/// The time for which a source has to repeat all positions exactly, as one whose camera is stuck. Noise changes at least the last bits of
-/// the positions of a hand at rest.
+/// The time after which a source that repeats all positions exactly counts as stuck. Noise changes at least the last bits of the positions
+/// of a hand at rest.
 const MIN_REPEATED: Duration = Duration::from_millis(150);
 
-/// The distance beyond which a hand has moved while its positions were repeated, in metres, if it appears there within [`MAX_PERIOD`]:
-/// a hand that starts to move at 30 m/s², as in a fast reach, goes less far in this time.
+/// The distance in metres that shows, within [`MAX_PERIOD`], that a hand has moved while its positions were repeated: a hand that starts
+/// to move at 30 m/s², as in a fast reach, goes less far in this time.
 const MIN_DISTANCE: f32 = 0.04;
 
 /// The longest time between two readings in which no hand that was at rest goes further than [`MIN_DISTANCE`].
