@@ -23,7 +23,7 @@ impl LastSeen {
         self.time
     }
 
-    /// Returns the time since then, or zero.
+    /// Returns the time since it was seen last, or zero if it was not seen.
     pub(crate) fn age(&self, time: Timestamp) -> Duration {
         self.time
             .map_or(Duration::ZERO, |seen_at| time.since(seen_at))
@@ -43,5 +43,27 @@ impl LastSeen {
     /// Forgets it, because it is lost.
     pub(crate) fn lose(&mut self) {
         self.time = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_late_60_ms_after_its_last_interval_and_never_before_it_is_seen() {
+        let at = |milliseconds: u64| Timestamp(milliseconds * 1_000);
+        let mut part = LastSeen::default();
+        assert!(!part.is_late(at(5_000)), "nothing is known of it");
+        part.see(at(5_000));
+        assert!(!part.is_late(at(5_060)));
+        assert!(part.is_late(at(5_061)));
+        part.see(at(5_100));
+        assert!(!part.is_late(at(5_260)));
+        assert!(part.is_late(at(5_261)));
+        part.lose();
+        assert!(!part.is_late(at(9_000)));
+        part.see(at(9_000));
+        assert!(part.is_late(at(9_061)), "the interval before is forgotten");
     }
 }
