@@ -12,12 +12,17 @@ use crate::time::Timestamp;
 /// of a hand at rest.
 const MIN_REPEATED: Duration = Duration::from_millis(150);
 
-/// The distance in metres that shows, within [`MAX_PERIOD`], that a hand has moved while its positions were repeated: a hand that starts
-/// to move at 30 m/s², as in a fast reach, goes less far in this time.
+/// The shortest distance, in metres, that shows that a hand has moved while its positions were repeated.
 const MIN_DISTANCE: f32 = 0.04;
 
-/// The longest time between two readings in which no hand that was at rest goes further than [`MIN_DISTANCE`].
-const MAX_PERIOD: Duration = Duration::from_millis(50);
+/// The acceleration with which a fast reach starts, in m/s².
+const MAX_ACCELERATION: f32 = 32.0;
+
+/// Returns the longest distance that a hand that was at rest goes in `period`, in metres: 40 mm in 50 ms, 160 mm in 100 ms.
+fn reach(period: Duration) -> f32 {
+    let seconds = period.as_secs_f32();
+    (0.5 * MAX_ACCELERATION * seconds * seconds).max(MIN_DISTANCE)
+}
 
 /// The last measured positions of a hand, and the time since which its source repeats them.
 #[derive(Clone, Debug, Default)]
@@ -42,12 +47,12 @@ impl RepeatedPositions {
             return false;
         }
         let has_repeated = self.last.since(self.since) > MIN_REPEATED;
-        let is_next = time.since(self.last) <= MAX_PERIOD;
+        let limit = reach(time.since(self.last));
         self.last = *time;
         if self.joints == *measured && self.displacement == *displacement {
             return false;
         }
-        let has_jumped = has_repeated && is_next && self.distance(estimate) > MIN_DISTANCE;
+        let has_jumped = has_repeated && self.distance(estimate) > limit;
         self.joints = *measured;
         self.displacement = *displacement;
         self.since = *time;
@@ -103,6 +108,10 @@ mod tests {
         assert!(has_jumped(160, 50, 0.05));
         assert!(!has_jumped(150, 10, 0.05), "repeated for a short time");
         assert!(!has_jumped(160, 60, 0.05), "the hand may have moved since");
+        assert!(has_jumped(160, 60, 0.07), "a picture was lost");
+        assert!(!has_jumped(160, 100, 0.15), "the hand may have moved since");
+        assert!(has_jumped(160, 100, 0.17), "two pictures were lost");
+        assert!(!has_jumped(160, 10_000, 1.0), "the hand was not seen");
         assert!(!has_jumped(160, 10, 0.03), "a tap");
     }
 
