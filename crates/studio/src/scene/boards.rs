@@ -216,7 +216,6 @@ fn add_key(canvas: &mut Canvas, layout: &Layout, front: &Front, pose: &Pose, sta
     }
 }
 
-/// Adds the marks on the front of a control.
 /// Adds lines around the front of a key: without a plate behind it, its color is nearly the background in high contrast.
 fn add_edge(canvas: &mut Canvas, corners: &[Vec2], color: Color) {
     let next = corners.iter().cycle().skip(1);
@@ -226,6 +225,7 @@ fn add_edge(canvas: &mut Canvas, corners: &[Vec2], color: Color) {
     }
 }
 
+/// Adds the marks on the front of a control.
 fn add_front(canvas: &mut Canvas, marks: &[FrontMark], front: &Pose, scale: f32, is_lit: bool) {
     let projection = canvas.projection;
     let to_screen = |point: Vec2| {

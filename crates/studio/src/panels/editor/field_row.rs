@@ -125,12 +125,14 @@ fn show_value(
     }
 }
 
-/// Returns the words in a text field without a text: none of the selected parts may have the default.
+/// Returns the words in a text field without a text: its default, unless the selected parts have several values.
 fn text_hint(default: &str, is_mixed: bool) -> &str {
-    match default {
-        _ if is_mixed => text("editor-mixed"),
-        REQUIRED => "",
-        other => other,
+    if is_mixed {
+        text("editor-mixed")
+    } else if default == REQUIRED {
+        ""
+    } else {
+        default
     }
 }
 
