@@ -54,12 +54,7 @@ pub(super) fn show(
         }
     }
     for port in search.ports() {
-        ui.label(words_of(port, SILENT));
-        for source in sources_of(port) {
-            if ui.radio(false, name_of(&source)).clicked() {
-                chosen = Some(Some(source));
-            }
-        }
+        chosen = show_port(ui, port).map(Some).or(chosen);
     }
     for camera in search.cameras() {
         ui.label(words_of_camera(camera));
@@ -79,6 +74,23 @@ pub(super) fn show(
         show_consent(ui, "devices-keys", sent);
     }
     chosen.map(SetupChange::Source)
+}
+
+/// Shows what was heard on a port, and what it may be. Returns the source that is chosen.
+fn show_port(ui: &mut egui::Ui, port: &Port) -> Option<SourceUri> {
+    ui.label(words_of(port, SILENT));
+    if port.heard.is_none() {
+        // The room for its source, whose row would move what is below it from under the mouse.
+        let row = ui.spacing().interact_size.y;
+        ui.allocate_space(egui::vec2(0.0, row));
+    }
+    let mut chosen = None;
+    for source in sources_of(port) {
+        if ui.radio(false, name_of(&source)).clicked() {
+            chosen = Some(source);
+        }
+    }
+    chosen
 }
 
 /// Shows the recordings of this machine. A click on the present one plays it again.
@@ -178,6 +190,30 @@ fn sources_of(port: &Port) -> Vec<SourceUri> {
 mod tests {
     use super::*;
     use crate::texts::{Language, set_language};
+
+    #[test]
+    fn the_end_of_the_search_moves_nothing_below_a_port() {
+        let height = |heard: Option<Recognition>| {
+            let port = Port {
+                name: "/dev/ttyS0".to_owned(),
+                heard: heard.map(Ok),
+            };
+            let context = egui::Context::default();
+            let mut drawn = 0.0;
+            let output = context.run_ui(egui::RawInput::default(), |ui| {
+                let rows = ui.vertical(|inner| show_port(inner, &port));
+                drawn = rows.response.rect.height();
+            });
+            output.drop_without_applying_deltas();
+            drawn
+        };
+        let before: f32 = height(None);
+        let source = "serial:/dev/ttyS0".parse().expect("a source");
+        for heard in [Recognition::Silent, Recognition::Sources(vec![source])] {
+            let moved = height(Some(heard)) - before;
+            assert!(moved.abs() < 1.0, "{moved}");
+        }
+    }
 
     #[test]
     fn a_port_that_is_silent_is_searched_again_in_this_window() {
