@@ -3,7 +3,7 @@
 use ademan::studio::texts::text;
 
 use crate::picture;
-use crate::window::Opening;
+use crate::window::{Opening, StudioWindow};
 
 #[test]
 fn the_panel_is_as_reviewed() {
@@ -22,4 +22,18 @@ fn the_panel_is_as_reviewed() {
     // Without the edge of the 3D view.
     let panel = panel.with_min_y(panel.min.y + 6.0);
     picture::compare(&mut window, "studio-scope", panel);
+}
+
+#[test]
+fn the_height_of_the_panel_comes_back_after_a_low_window() {
+    let mut window = Opening::default().open();
+    let height = |drawn: &StudioWindow| drawn.panel(text("panel-scope")).height();
+    let before = height(&window);
+    window.harness.set_size(egui::vec2(1280.0, 400.0));
+    window.draw(3);
+    let low = height(&window);
+    assert!(low < before, "{low} of {before}");
+    window.harness.set_size(egui::vec2(1280.0, 800.0));
+    window.draw(3);
+    assert_eq!(height(&window), before);
 }

@@ -161,9 +161,9 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, context: &mut PanelConte
     }
 }
 
-/// Returns the greatest height of a panel below another one in a room of this height, in points. The one above has half of it.
+/// Returns the greatest height of a panel below another one in a room of this height, in whole points. The one above has half of it.
 fn highest_below(room: f32, [min, _]: [f32; 2]) -> f32 {
-    (room / 2.0).max(min)
+    (room / 2.0).floor().max(min)
 }
 
 impl Panel {
@@ -182,9 +182,12 @@ impl Panel {
             Place::Left(sizes) => (sized(egui::Panel::left(self.key), sizes), Some(false)),
             Place::Right(sizes) => (sized(egui::Panel::right(self.key), sizes), Some(false)),
             Place::Below(sizes) => {
-                let panel = egui::Panel::bottom(self.key).resizable(true);
                 let most = highest_below(ui.available_height(), sizes);
-                (sized(panel, sizes).max_size(most), Some(true))
+                // In a low window it has another size: the one that is kept comes back with the room.
+                let is_low = kept.unwrap_or(sizes[1]) > most;
+                let panel = egui::Panel::bottom((self.key, is_low)).resizable(true);
+                let is_wide = (!is_low).then_some(true);
+                (sized(panel, sizes).max_size(most), is_wide)
             }
             Place::Middle => {
                 // Not every content paints all of it.
