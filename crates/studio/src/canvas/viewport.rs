@@ -10,6 +10,9 @@ const SCALES: (f32, f32) = (0.05, 60.0);
 /// Empty edge around the items when all are shown, as a fraction of the picture.
 const EDGE: f32 = 0.08;
 
+/// Smallest width of this edge, in points: a ruler covers no item.
+const MIN_EDGE: f32 = 20.0;
+
 /// The largest zoom when all items are shown, in points per millimetre.
 const MAX_FIT_SCALE: f32 = 5.0;
 
@@ -35,7 +38,9 @@ impl Viewport {
     /// Shows all of this rectangle in a picture of this size.
     pub fn fit(bounds: Bounds, size: Vec2) -> Self {
         let extent = bounds.size().max(Vec2::splat(20.0));
-        let scales = size * (1.0 - 2.0 * EDGE) / extent;
+        let widest = size * (1.0 - 2.0 * EDGE);
+        let room = widest.min(size - Vec2::splat(2.0 * MIN_EDGE));
+        let scales = room.max(Vec2::ONE) / extent;
         Self {
             center: bounds.center(),
             scale: scales.min_element().clamp(SCALES.0, MAX_FIT_SCALE),
@@ -145,6 +150,7 @@ impl AreaViewport {
 
 #[cfg(test)]
 mod tests {
+    use super::super::rulers;
     use super::*;
 
     const SIZE: Vec2 = Vec2::new(800.0, 500.0);
@@ -176,6 +182,15 @@ mod tests {
         assert!(visible.min.cmple(bounds.min).all() && visible.max.cmpge(bounds.max).all());
         let far = viewport.to_screen(Vec2::new(0.0, 60.0), SIZE);
         assert!(far.y < viewport.to_screen(Vec2::ZERO, SIZE).y);
+    }
+
+    #[test]
+    fn a_ruler_covers_no_item_of_a_low_picture() {
+        let bounds = Bounds::between(Vec2::new(-20.0, -50.0), Vec2::new(20.0, 50.0));
+        let low = Vec2::new(800.0, 120.0);
+        let viewport = Viewport::fit(bounds, low);
+        let top = viewport.to_screen(Vec2::new(0.0, 50.0), low).y;
+        assert!(top >= rulers::WIDTH, "{top}");
     }
 
     #[test]
