@@ -113,17 +113,18 @@ fn show_history(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 }
 
 fn show_add(ui: &mut egui::Ui, panel: &mut EditorPanel) {
-    ui.menu_button(text("editor-add"), |ui| {
-        for &kind in ControlKind::ALL {
-            if ui.button(kind_words(kind)).clicked() {
-                panel.add_control(kind);
-            }
-        }
-        ui.separator();
-        for (name, part) in NEW_PARTS {
-            if ui.button(text(name)).clicked() {
-                panel.add(part);
-            }
+    let row = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
+    // With a row for the line between them, and one for the frame.
+    let rows = ControlKind::ALL.len() + NEW_PARTS.len() + 2;
+    let window = ui.ctx().content_rect();
+    let is_higher = rows as f32 * row > window.height();
+    let below = window.max.y - ui.cursor().min.y - 2.0 * row;
+    ui.menu_button(text("editor-add"), |menu| {
+        if is_higher {
+            let area = egui::ScrollArea::vertical().max_height(below);
+            area.show(menu, |inner| show_new(inner, panel));
+        } else {
+            show_new(menu, panel);
         }
     });
     let has_selection = !panel.editor.selection().is_empty();
@@ -142,6 +143,21 @@ fn show_add(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         has_selection,
     ) {
         panel.delete();
+    }
+}
+
+/// Shows what can be added, in a menu.
+fn show_new(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    for &kind in ControlKind::ALL {
+        if ui.button(kind_words(kind)).clicked() {
+            panel.add_control(kind);
+        }
+    }
+    ui.separator();
+    for (name, part) in NEW_PARTS {
+        if ui.button(text(name)).clicked() {
+            panel.add(part);
+        }
     }
 }
 
@@ -268,10 +284,28 @@ fn button(ui: &mut egui::Ui, name: &str, hint: &str, is_enabled: bool) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use eframe::egui::accesskit::Role;
     use egui_kittest::kittest::Queryable;
 
-    use super::super::tests::Window;
+    use super::super::tests::{TWO_KEYS, Window};
     use super::*;
+
+    #[test]
+    fn all_that_can_be_added_is_reached_in_a_low_window() {
+        let mut window = Window::on_text(TWO_KEYS, 320.0);
+        window.click_button(text("editor-add"));
+        window.harness.run_steps(2);
+        let name = text("editor-new-space");
+        let last = window.harness.get_by_role_and_label(Role::Button, name);
+        last.scroll_to_me();
+        window.harness.run_steps(3);
+        let shown = window.harness.get_by_role_and_label(Role::Button, name);
+        let entry = shown.rect();
+        let screen = window.harness.ctx.content_rect();
+        assert!(screen.contains_rect(entry), "{entry} in {screen}");
+        window.click(entry.center());
+        assert_eq!(window.panel().editor.count("spaces"), 1);
+    }
 
     #[test]
     fn a_long_message_is_in_the_row_of_the_tools() {
