@@ -39,6 +39,12 @@ impl RecentFiles {
         self.0.iter().map(String::as_str)
     }
 
+    /// Returns the files that have a part, in small letters, in their paths.
+    pub fn with_part<'a>(&'a self, part: &'a str) -> impl Iterator<Item = &'a str> {
+        self.iter()
+            .filter(move |file| file.to_lowercase().contains(part))
+    }
+
     /// Adds the files that have been added to another list since both were the list `before`: after those that have been added to this
     /// one, so that a full list drops its oldest files.
     pub fn merge(&mut self, other: &Self, before: &Self) {

@@ -62,9 +62,7 @@ fn choose_recent(ui: &mut egui::Ui, state: &mut PanelState) -> Option<String> {
 /// Shows the files that were opened before and have a part of their path in common with a query. Returns the one that is clicked.
 pub(super) fn show_recent(ui: &mut egui::Ui, recent: &RecentFiles, query: &str) -> Option<String> {
     let mut chosen = None;
-    let found = recent.iter();
-    let found = found.filter(|file| file.to_lowercase().contains(query));
-    for (index, file) in found.enumerate() {
+    for (index, file) in recent.with_part(query).enumerate() {
         if index == 0 {
             ui.strong(text("layouts-recent"));
         }

@@ -146,13 +146,17 @@ impl EditorPanel {
     }
 }
 
-/// Returns the layout that is meant by words for which there is no layout: the only one that comes with the program and has them in its
-/// name. Other words are a name.
-fn meant(words: &str) -> String {
+/// Returns the layout that is meant by words for which there is no layout: the only one in the lists of the question that has them in its
+/// path or name. Other words are a name.
+fn meant(words: &str, recent: &RecentFiles) -> String {
     let part = words.to_lowercase();
-    let mut found = shipped_layouts().filter(|name| name.contains(&part));
-    match (found.next(), found.next()) {
-        (Some(only), None) if Document::open_kind(FileKind::Layout, words).is_err() => only.into(),
+    let shipped = shipped_layouts().filter(|name| name.contains(&part));
+    let mut listed = recent
+        .with_part(&part)
+        .map(str::to_owned)
+        .chain(shipped.map(str::to_owned));
+    match (listed.next(), listed.next()) {
+        (Some(only), None) if Document::open_kind(FileKind::Layout, words).is_err() => only,
         _ => words.into(),
     }
 }
@@ -218,7 +222,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
             field.request_focus();
         }
         if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
-            chosen = Some(meant(question.query.trim()));
+            chosen = Some(meant(question.query.trim(), recent));
         }
         // The field stays where it is while a part of a name leaves fewer rows.
         let area = egui::ScrollArea::vertical()
@@ -288,16 +292,21 @@ mod tests {
     #[test]
     fn a_part_of_one_name_is_the_layout_and_other_words_are_a_name() {
         let (_folder, path) = file(TWO_KEYS);
+        let mut recent = RecentFiles::default();
+        recent.push(Path::new(&path));
+        recent.push(Path::new("own-azerty-flat.ron"));
         for (words, expected) in [
             ("numpa", "numpad"),
             ("NumPa", "numpad"),
             ("qwerty-flat", "qwerty-flat"),
             ("qwerty", "qwerty"),
+            ("azerty-fl", "azerty-fl"),
+            ("mine.ro", path.as_str()),
             ("no-such-layout", "no-such-layout"),
             ("", ""),
             (path.as_str(), path.as_str()),
         ] {
-            assert_eq!(meant(words), expected);
+            assert_eq!(meant(words, &recent), expected);
         }
     }
 
