@@ -273,7 +273,8 @@ pub fn show_message(ui: &mut egui::Ui, panel: &EditorPanel) {
         let words = egui::WidgetText::from(words);
         egui::Label::new(words.into_galley(ui, truncate, rest, egui::TextStyle::Body))
     };
-    ui.add(label).on_hover_text(message);
+    // A label that is shortened has its whole text as its hint.
+    ui.add(label);
 }
 
 /// Shows a button with a hint. Returns `true` if it was clicked.
