@@ -175,7 +175,7 @@ fn add_key(canvas: &mut Canvas, layout: &Layout, front: &Front, pose: &Pose, sta
                 canvas,
                 target,
                 &Pose::from_parts(center, pose.rotation),
-                face,
+                (face, side),
             );
         }
         return;
@@ -242,15 +242,19 @@ fn add_front(canvas: &mut Canvas, marks: &[FrontMark], front: &Pose, scale: f32,
     add_marks(&mut canvas.picture, marks, &view);
 }
 
-/// Adds a key that is small on the screen: its front, as a rectangle. A layout may have thousands of them.
-fn add_small_key(canvas: &mut Canvas, target: &Target, front: &Pose, color: Color) {
+/// Adds a key that is small on the screen: its front, as a rectangle. A layout may have thousands of them. `side` is the color of its edge.
+fn add_small_key(canvas: &mut Canvas, target: &Target, front: &Pose, (face, side): (Color, Color)) {
     let half = half_extents(target);
     let corners = CORNERS.map(|(x, y)| {
         let corner = canvas.project(*front * Vec3::new(x * half.x, y * half.y, 0.0));
         corner.map(|corner| corner.position)
     });
     if let [Some(a), Some(b), Some(c), Some(d)] = corners {
-        canvas.picture.below.add_plain_polygon(&[a, b, c, d], color);
+        let edge = [a, b, c, d];
+        canvas.picture.below.add_plain_polygon(&edge, face);
+        if canvas.colors.has_high_contrast() {
+            add_edge(canvas, &edge, side);
+        }
     }
 }
 
