@@ -1,6 +1,7 @@
 //! A part of a recording as a recording of its own.
 
 use std::fs;
+use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +12,7 @@ use ademan_core::snapshot::StepView;
 use ademan_core::time::Timestamp;
 use ademan_runtime::capture::CaptureError;
 use ademan_runtime::capture::recording::Replay;
+use ademan_runtime::files;
 use ademan_runtime::recorder::{RecordError, Recorder};
 use ademan_runtime::session::{self, SessionError, command_channel};
 
@@ -38,7 +40,7 @@ pub enum ExportError {
         /// Path of the old file.
         path: PathBuf,
         /// Cause.
-        error: std::io::Error,
+        error: io::Error,
     },
 }
 
@@ -73,6 +75,12 @@ pub fn export(
     if !may_replace {
         return Err(ExportError::Exists(path.to_owned()));
     }
+    let refused = |error: io::Error| ExportError::Replace {
+        path: path.to_owned(),
+        error,
+    };
+    // A rename would replace a device or a pipe by a file.
+    files::check_destination(path).map_err(|error| refused(io::Error::other(error)))?;
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.new", std::process::id()));
     let new = path.with_file_name(name);
@@ -80,10 +88,7 @@ pub fn export(
     fs::rename(&new, path).map_err(|error| {
         // The old file stays; the new one has no name that a person knows.
         let _ = fs::remove_file(&new);
-        ExportError::Replace {
-            path: path.to_owned(),
-            error,
-        }
+        refused(error)
     })?;
     Ok(readings)
 }

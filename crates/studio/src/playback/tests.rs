@@ -353,6 +353,22 @@ fn an_export_replaces_a_file_only_when_it_may() {
     assert_eq!(files, 2, "no temporary file is left");
 }
 
+#[cfg(unix)]
+#[test]
+fn an_export_replaces_nothing_but_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = record(folder.path(), "hi");
+    let recording = Recording::open(&path, None).unwrap();
+    let all = readings(&path);
+    let socket = folder.path().join("socket.mcap");
+    let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+    let range = all[0].time..=all[9].time;
+    let refused = export(&recording, range, &socket, true);
+    assert!(matches!(refused, Err(ExportError::Replace { .. })));
+    let kind = std::fs::symlink_metadata(&socket).unwrap().file_type();
+    assert!(!kind.is_file());
+}
+
 #[test]
 fn two_layouts_are_compared_on_the_same_readings() {
     let folder = tempfile::tempdir().unwrap();
