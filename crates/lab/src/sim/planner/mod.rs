@@ -361,7 +361,8 @@ impl<'a> Planner<'a> {
         let before = self.state.values.clone();
         let distance = self.perform(&active, steps);
         if let Some(watch) = &mut self.watch {
-            watch.follow(&active, before, &self.state, self.scene);
+            let duration = self.period * active.packets();
+            watch.follow((&active, duration), before, &self.state, self.scene);
         }
         distance
     }

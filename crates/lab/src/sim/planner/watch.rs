@@ -1,5 +1,7 @@
 //! Contacts of a planned hand, as the contact stage sees them.
 
+use std::time::Duration;
+
 use arrayvec::ArrayVec;
 
 use super::HandState;
@@ -17,7 +19,8 @@ const MAX_CONTACTS: usize = 16;
 /// The contacts of a hand since a posture.
 pub(super) struct Watch {
     tracker: ContactTracker,
-    packet: u64,
+    /// The time of the last posture; a stroke depends on the speed of the fingertip.
+    time: Timestamp,
     contacts: ArrayVec<Touch, MAX_CONTACTS>,
 }
 
@@ -26,31 +29,32 @@ impl Watch {
     pub(super) fn start(state: &HandState, scene: &Scene) -> Self {
         let mut watch = Self {
             tracker: ContactTracker::new(scene),
-            packet: 0,
+            time: Timestamp::default(),
             contacts: ArrayVec::new(),
         };
         watch.look(state, &state.values, scene);
         watch
     }
 
-    /// Follows a movement that began in the posture `values`.
+    /// Follows a movement that began in the posture `values` and takes `duration`.
     pub(super) fn follow(
         &mut self,
-        active: &ActiveMovement,
+        (active, duration): (&ActiveMovement, Duration),
         mut values: Vec<f64>,
         state: &HandState,
         scene: &Scene,
     ) {
+        let start = self.time;
         for sample in 1..=SAMPLES {
             active.step(sample as f32 / SAMPLES as f32, &state.hand, &mut values);
+            self.time = start + duration * sample / SAMPLES;
             self.look(state, &values, scene);
         }
     }
 
     fn look(&mut self, state: &HandState, values: &[f64], scene: &Scene) {
-        self.packet += 1;
         let mut pose = state.hand.pose(values);
-        pose.time = Timestamp(self.packet);
+        pose.time = self.time;
         let mut touches = Touches::new();
         self.tracker.update(scene, &pose, &mut touches);
         for touch in touches {
