@@ -66,7 +66,7 @@ impl Expansion<'_, '_> {
         } else if self.touches.near().iter().all(|near| near.symbol.is_none()) {
             nothing.score += SPURIOUS_SIGN;
         }
-        self.push(nothing);
+        self.beam.push(nothing);
         match token.place {
             Place::Word(_) => self.word(&partial),
             Place::Gap => self.gap(&partial),
@@ -74,10 +74,6 @@ impl Expansion<'_, '_> {
             Place::Spelled(state) => self.spelled(&partial, state, false),
             Place::Verbatim => self.verbatim(&partial),
         }
-    }
-
-    fn push(&mut self, next: Next) {
-        self.beam.push(next);
     }
 
     /// Returns `true` if a hypothesis can still be kept with a likely tap.
@@ -145,7 +141,7 @@ impl Expansion<'_, '_> {
         next.moved = self.moved_by(touch, key);
         let letter = self.model.alphabet.letter(contents.symbol());
         next.emission = next.emission.with(letter, From::This, Case::Lower);
-        self.push(next);
+        self.beam.push(next);
     }
 
     /// Returns the key if a tap of it tells where the hands are: a tap far from its key is a slip and tells nothing.
@@ -162,7 +158,7 @@ impl Expansion<'_, '_> {
                 let mut next = *partial;
                 next.score += SECOND_SPACE + self.likelihoods.of_key(space);
                 next.emission = next.emission.with(' ', From::This, Case::Lower);
-                self.push(next);
+                self.beam.push(next);
             }
             self.opening_mark(partial);
             self.joint(partial, self.best(ROOT), Case::Lower);
@@ -190,7 +186,7 @@ impl Expansion<'_, '_> {
             let mark = punctuation(self.options, near.character, self.parent.sentence);
             next.score += touch + mark + cost;
             next.emission = next.emission.with(near.character, From::This, Case::Lower);
-            self.push(next);
+            self.beam.push(next);
         }
     }
 
@@ -207,7 +203,7 @@ impl Expansion<'_, '_> {
         next.place = Place::Word(ROOT);
         next.row = NO_ROW;
         next.emission = next.emission.with(sign, From::This, case);
-        self.push(next);
+        self.beam.push(next);
     }
 
     /// Returns the hypothesis with its word complete, or `None` if it is not a word, or too unlikely for the tap.
@@ -249,7 +245,7 @@ impl Expansion<'_, '_> {
                 };
                 next.moved = self.moved_by(touch, space);
                 next.emission = next.emission.with(' ', From::This, case);
-                self.push(next);
+                self.beam.push(next);
             }
         }
         for near in 0..self.touches.near().len() {
@@ -267,7 +263,7 @@ impl Expansion<'_, '_> {
             next.row = self.model.row_after(near.character);
             next.moved = self.moved_by(touch, near.key);
             next.emission = next.emission.with(near.character, From::This, case);
-            self.push(next);
+            self.beam.push(next);
         }
     }
 
@@ -309,7 +305,7 @@ impl Expansion<'_, '_> {
             };
             next.moved = self.moved_by(touch, near.key);
             next.emission = next.emission.with(near.character, From::This, Case::Lower);
-            self.push(next);
+            self.beam.push(next);
         }
     }
 
@@ -345,7 +341,7 @@ impl Expansion<'_, '_> {
         next.score += touch + ANY_CHARACTER;
         next.place = Place::Verbatim;
         next.emission = next.emission.with(character, From::This, Case::Lower);
-        self.push(next);
+        self.beam.push(next);
     }
 
     /// Continues after punctuation: with its space, more punctuation, or a letter.
@@ -357,7 +353,7 @@ impl Expansion<'_, '_> {
             let mut next = start;
             next.score += touch + self.best(ROOT);
             next.emission = next.emission.with(' ', From::This, Case::Lower);
-            self.push(next);
+            self.beam.push(next);
         }
         for near in 0..self.touches.near().len() {
             let near = self.touches.near()[near];
@@ -367,7 +363,7 @@ impl Expansion<'_, '_> {
                 let mut next = *partial;
                 next.score += cost + self.likelihoods.of_key(near.key);
                 next.emission = next.emission.with(near.character, From::This, Case::Lower);
-                self.push(next);
+                self.beam.push(next);
             }
         }
         self.joint(&start, 0.0, Case::Lower);
@@ -466,7 +462,7 @@ impl Expansion<'_, '_> {
                     .emission
                     .with(letter(first_symbol), From::This, Case::Lower)
                     .with(letter(symbol), From::Previous, Case::Lower);
-                self.push(next);
+                self.beam.push(next);
             }
         }
     }
