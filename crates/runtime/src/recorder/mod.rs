@@ -57,7 +57,7 @@ pub fn cannot_create(path: &Path, error: FileError) -> RecordError {
 }
 
 /// Returns the error of a recording that cannot be written.
-fn write_error(path: &Path, reason: impl ToString) -> RecordError {
+pub(crate) fn write_error(path: &Path, reason: impl ToString) -> RecordError {
     RecordError::Write {
         path: path.to_owned(),
         reason: reason.to_string(),

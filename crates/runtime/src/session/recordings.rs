@@ -14,7 +14,7 @@ use super::write_failures::WriteFailures;
 use super::writer_thread::{QueuedSteps, WriterThread};
 use crate::capture::recording::RecordedSetup;
 use crate::files;
-use crate::recorder::{CompleteFile, RecordError, Recorder, cannot_create};
+use crate::recorder::{CompleteFile, RecordError, Recorder, cannot_create, write_error};
 use crate::trace::bvh::{self, PoseOptions};
 use ademan_core::kinematics::HandPose;
 use ademan_core::pipeline::Pipeline;
@@ -129,10 +129,7 @@ impl Recordings {
         let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
         let owned = path.to_owned();
         let write = move |poses: QueuedSteps<HandPose>| {
-            let failed = |error: io::Error| RecordError::Write {
-                path: owned.clone(),
-                reason: error.to_string(),
-            };
+            let failed = |error: io::Error| write_error(&owned, error);
             let synced = file.try_clone().map_err(failed)?;
             bvh::write_file(poses, file, PoseOptions::new(BVH_RATE_HZ)).map_err(failed)?;
             let complete = CompleteFile::new(owned, synced);
