@@ -150,15 +150,19 @@ impl EditorPanel {
 /// path or name. Other words are a name.
 fn meant(words: &str, recent: &RecentFiles) -> String {
     let part = words.to_lowercase();
-    let shipped = shipped_layouts().filter(|name| name.contains(&part));
     let mut listed = recent
         .with_part(&part)
         .map(str::to_owned)
-        .chain(shipped.map(str::to_owned));
+        .chain(shipped_with_part(&part).map(str::to_owned));
     match (listed.next(), listed.next()) {
         (Some(only), None) if Document::open_kind(FileKind::Layout, words).is_err() => only,
         _ => words.into(),
     }
+}
+
+/// Returns the shipped layouts that have a part, in small letters, in their names.
+fn shipped_with_part(part: &str) -> impl Iterator<Item = &'static str> {
+    shipped_layouts().filter(move |name| name.contains(part))
 }
 
 fn write_new(path: &Path, content: &[u8]) -> Result<(), String> {
@@ -236,7 +240,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
                     .clicked();
             chosen_recent = layouts::show_recent(ui, recent, &query);
             ui.strong(text("layouts-shipped"));
-            for name in shipped_layouts().filter(|name| name.contains(&query)) {
+            for name in shipped_with_part(&query) {
                 if ui.selectable_label(false, name).clicked() {
                     chosen = Some(name.to_owned());
                 }
