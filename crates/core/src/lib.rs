@@ -24,7 +24,7 @@
 //!
 //! The world frame is right-handed: +X to the wearer's right, +Y up, −Z forward. Lengths are in metres, angles in radians, times in
 //! microseconds. Vectors and poses have the types of [`parry3d`] in single and of [`glam`] in double precision; lists of a fixed capacity
-//! are those of [`arrayvec`].
+//! come from [`arrayvec`].
 //!
 //! # Example
 //!

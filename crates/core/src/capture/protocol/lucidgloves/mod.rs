@@ -204,8 +204,8 @@ impl Fields {
         }
     }
 
-    /// Sets the splays and joints to 0 that the line leaves out although an earlier one, as `named` says, had them. Adds those of this
-    /// line to `named`. A finger without a curl stays unknown.
+    /// Sets splays and joints that the line leaves out to 0 if an earlier line had them, which `named` records. A finger without a curl
+    /// stays unknown.
     fn restore_zeros(&mut self, named: &mut ChannelSet) {
         for (finger, curl) in self.curls.iter().enumerate() {
             let splay = (SPLAY + finger, &mut self.splays[finger]);

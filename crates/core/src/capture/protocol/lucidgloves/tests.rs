@@ -142,17 +142,22 @@ fn channels_that_a_line_does_not_name_are_unsent() {
     );
 }
 
+/// Returns the counts of some channels of a packet.
+fn counts_of<const N: usize>(packet: Packet, channels: [usize; N]) -> [u16; N] {
+    let Sample::Channels(sample) = packet.sample else {
+        panic!("a glove sends channels");
+    };
+    channels.map(|channel| sample.counts[channel])
+}
+
 #[test]
 fn a_joint_and_a_splay_that_an_earlier_line_had_are_0_if_they_are_left_out() {
     let mut decoder = decoder(FULL_SCALE);
     let mut seen = Vec::new();
     // The splay and the second joint of the index finger, of which the last line does not know the curl.
     let stream = "B900C5\nB900(BB)7(BAC)300\nB900\nC5\n";
-    decoder.push(stream.as_bytes(), &mut |packet: Packet| {
-        let Sample::Channels(channels) = packet.sample else {
-            panic!("a glove sends channels");
-        };
-        seen.push([SPLAY + 1, JOINT + JOINTS + 2].map(|channel| channels.counts[channel]));
+    decoder.push(stream.as_bytes(), &mut |packet| {
+        seen.push(counts_of(packet, [SPLAY + 1, JOINT + JOINTS + 2]));
     });
     assert_eq!(seen, [[MIDDLE, 900], [7, 300], [0, 0], [MIDDLE, UNKNOWN]]);
 }
@@ -162,12 +167,7 @@ fn a_glove_that_connects_again_may_measure_less() {
     let mut decoder = decoder(FULL_SCALE);
     let mut seen = Vec::new();
     // The curl, the splay and the second joint of the index finger.
-    let mut emit = |packet: Packet| {
-        let Sample::Channels(channels) = packet.sample else {
-            panic!("a glove sends channels");
-        };
-        seen.push([CURL + 1, SPLAY + 1, JOINT + JOINTS + 2].map(|it| channels.counts[it]));
-    };
+    let mut emit = |packet| seen.push(counts_of(packet, [CURL + 1, SPLAY + 1, JOINT + JOINTS + 2]));
     decoder.push(b"B900(BB)7(BAC)300\n", &mut emit);
     decoder.reset();
     decoder.push(b"B800\n", &mut emit);
