@@ -1,6 +1,7 @@
 //! The toolbar: commands to the session, and panels that are hidden and shown.
 
 use ademan::studio::texts::{self, Language, text};
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 
 use crate::changing_window::ChangingWindow;
@@ -122,4 +123,37 @@ fn the_whole_window_is_drawn() {
         ..Opening::default()
     };
     picture::document(&mut opening.open(), "studio");
+}
+
+#[test]
+fn a_key_that_is_held_pauses_the_session_and_does_not_resume_it() {
+    let mut window = Opening::default().open();
+    hold(&mut window, egui::Key::P);
+    window
+        .harness
+        .get_by_role_and_label(Role::Button, text("button-resume"))
+        .focus();
+    window.draw(2);
+    window.press_key(egui::Key::Space);
+    window.wait_for("a running session", |model| {
+        model.view.state.paused_by.is_none()
+    });
+    window.draw(2);
+    hold(&mut window, egui::Key::Space);
+}
+
+/// Holds a key that pauses the session: its events repeat the first one, as it does not come up between them.
+fn hold(window: &mut StudioWindow, key: egui::Key) {
+    for _ in 0..2 {
+        window.harness.key_down(key);
+        window.draw(2);
+        window.wait_for("a paused session", |model| {
+            model.view.state.paused_by.is_some()
+        });
+    }
+    // The session has handled all commands before these readings.
+    window.play(20);
+    assert!(window.model().view.state.paused_by.is_some(), "{key:?}");
+    window.harness.key_up(key);
+    window.draw(2);
 }

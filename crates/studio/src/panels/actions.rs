@@ -1,6 +1,6 @@
 //! The actions with their keys: one table for the toolbar, the keyboard and the list of keys.
 
-use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers, Ui};
+use eframe::egui::{Context, Event, InputState, Key, KeyboardShortcut, Modifiers, Ui};
 
 use super::table::{SCOPE, SENSORS};
 use super::{PanelContext, PanelState, Workspace, editor};
@@ -141,6 +141,9 @@ pub(super) const ACTIONS: [ActionSpec; 17] = [
     )),
 ];
 
+/// The other key of the list of keys.
+const HELP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::Questionmark);
+
 /// Keys of panels and of the toolkit: names of the keys, and the key of the words.
 pub(super) const OTHER_KEYS: [(&str, &str); 8] = [
     ("←↑↓→", "keys-orbit"),
@@ -251,6 +254,9 @@ fn move_focus(ui: &Context, state: &mut PanelState, step: isize) {
 /// question waits for an answer, only the pause acts.
 pub(super) fn handle_keys(ui: &Ui, state: &mut PanelState, context: &mut PanelContext) {
     let is_editing = ui.ctx().text_edit_focused();
+    if !is_editing {
+        ui.input_mut(drop_held_clicks);
+    }
     let is_calibrating =
         state.workspace == Workspace::Calibration && context.sensors.guide.is_some();
     let is_asked = editor::is_asked(ui);
@@ -261,13 +267,44 @@ pub(super) fn handle_keys(ui: &Ui, state: &mut PanelState, context: &mut PanelCo
         }
         let is_pressed = ui.input_mut(|input| {
             let is_help = spec.action == Action::Keys && !is_editing;
-            input.consume_shortcut(&spec.shortcut)
-                || is_help && input.consume_key(Modifiers::NONE, Key::Questionmark)
+            take_press(input, &spec.shortcut) || is_help && take_press(input, &HELP)
         });
         if is_pressed && spec.action.is_enabled(context) {
             spec.action.perform(ui.ctx(), state, context);
         }
     }
+}
+
+/// Takes the presses of a shortcut. Returns `true` if the key went down: a key that is held repeats, and would resume what it has paused.
+fn take_press(input: &mut InputState, shortcut: &KeyboardShortcut) -> bool {
+    let goes_down = |event: &Event| match event {
+        Event::Key {
+            key,
+            pressed: true,
+            repeat: false,
+            modifiers,
+            ..
+        } => *key == shortcut.logical_key && modifiers.matches_logically(shortcut.modifiers),
+        _ => false,
+    };
+    let is_pressed = input.events.iter().any(goes_down);
+    input.consume_shortcut(shortcut);
+    is_pressed
+}
+
+/// Drops the repetitions of keys that operate a button: a key that is held clicks it once.
+fn drop_held_clicks(input: &mut InputState) {
+    let is_held = |event: &Event| {
+        matches!(
+            event,
+            Event::Key {
+                key: Key::Space | Key::Enter,
+                repeat: true,
+                ..
+            }
+        )
+    };
+    input.events.retain(|event| !is_held(event));
 }
 
 #[cfg(test)]
