@@ -3,7 +3,7 @@
 use eframe::egui::{self, Align2, Key};
 
 use super::super::actions::{Action, Offer};
-use super::shortcuts::{ARROWS, FINE_STEP_MM};
+use super::shortcuts::{ARROWS, FINE_STEP_MM, is_asked};
 use super::{EditorPanel, bar, plan};
 use crate::editor::{ControlKind, Edit, Part};
 use crate::texts::text;
@@ -272,19 +272,20 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if !panel.palette.is_open {
         return;
     }
-    let mut found = commands(panel);
-    found.retain(|command| is_found(&command.name, &panel.palette.query));
-    let keys = ui.input_mut(|input| {
-        let mut pressed = |key| input.consume_key(egui::Modifiers::NONE, key);
-        [Key::Escape, Key::ArrowDown, Key::ArrowUp, Key::Enter].map(&mut pressed)
+    if is_asked(ui) {
+        // The field would keep the focus, and run commands below the question.
+        panel.palette = Palette::default();
+        ui.memory_mut(egui::Memory::stop_text_input);
+        return;
+    }
+    let commands = commands(panel);
+    // Several presses may come with one frame, and so may words and Enter.
+    let [escapes, down, up, entered] = ui.input_mut(|input| {
+        let mut count = |key| input.count_and_consume_key(egui::Modifiers::NONE, key);
+        [Key::Escape, Key::ArrowDown, Key::ArrowUp, Key::Enter].map(&mut count)
     });
-    let [is_closed, down, up, is_entered] = keys;
-    let last = found.len().saturating_sub(1);
     let palette = &mut panel.palette;
-    palette.chosen = (palette.chosen + usize::from(down))
-        .saturating_sub(usize::from(up))
-        .min(last);
-    let mut run = is_entered.then_some(palette.chosen);
+    let mut run = None;
     egui::Window::new(text("editor-palette"))
         .anchor(Align2::CENTER_TOP, [0.0, TOP])
         .collapsible(false)
@@ -301,6 +302,14 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             if field.changed() {
                 palette.chosen = 0;
             }
+            let found = commands.iter();
+            let found = found.filter(|command| is_found(&command.name, &palette.query));
+            let found: Vec<&Command> = found.collect();
+            let last = found.len().saturating_sub(1);
+            palette.chosen = (palette.chosen + down).saturating_sub(up).min(last);
+            if entered > 0 {
+                run = found.get(palette.chosen).copied();
+            }
             let area = egui::ScrollArea::vertical().max_height(320.0);
             area.show(ui, |ui| {
                 if found.is_empty() {
@@ -308,16 +317,16 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
                 }
                 for (index, command) in found.iter().enumerate() {
                     if show_row(ui, command, index == palette.chosen) {
-                        run = Some(index);
+                        run = Some(*command);
                     }
                 }
             });
         });
-    if is_closed {
+    if escapes > 0 {
         panel.palette = Palette::default();
         return;
     }
-    if let Some(command) = run.and_then(|index| found.get(index)) {
+    if let Some(command) = run {
         panel.palette = Palette::default();
         // The field would have the focus in the next frame, too, and keep what is pasted then from the canvas.
         ui.memory_mut(egui::Memory::stop_text_input);
@@ -341,9 +350,42 @@ fn show_row(ui: &mut egui::Ui, command: &Command, is_chosen: bool) -> bool {
 #[cfg(test)]
 mod tests {
     use ademan_core::layout::Fit;
+    use eframe::egui::{Event, Modifiers};
 
+    use super::super::tests::Window;
     use super::*;
     use crate::editor::LayoutEditor;
+
+    #[test]
+    fn words_and_enter_of_one_frame_run_the_command_of_these_words() {
+        let mut window = Window::open();
+        window.press(Modifiers::COMMAND, Key::K);
+        let enter = Event::Key {
+            key: Key::Enter,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        };
+        let words = Event::Text(text("editor-select-all").to_owned());
+        window.harness.input_mut().events.extend([words, enter]);
+        window.harness.run_steps(2);
+        assert!(!window.panel().palette.is_open());
+        assert_eq!(window.panel().selected.len(), 2);
+    }
+
+    #[test]
+    fn a_question_closes_the_palette_and_no_command_is_run_below_it() {
+        let mut window = Window::open();
+        window.panel().add_control(ControlKind::Key);
+        window.press(Modifiers::COMMAND, Key::K);
+        window.close();
+        assert!(window.panel().is_close_asked);
+        assert!(!window.panel().palette.is_open());
+        window.write(text("editor-snap"));
+        window.press(Modifiers::NONE, Key::Enter);
+        assert!(window.panel().snaps);
+    }
 
     #[test]
     fn a_command_is_found_by_parts_of_its_name() {
