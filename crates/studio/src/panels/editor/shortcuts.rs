@@ -76,11 +76,14 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         // Its edit is the last one until it ends.
         return;
     }
-    if pressed(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z) || pressed(Modifiers::COMMAND, Key::Y)
-    {
+    // Several taps may come with one frame.
+    let count = |modifiers, key| ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
+    let redone =
+        count(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z) + count(Modifiers::COMMAND, Key::Y);
+    for _ in 0..redone {
         panel.redo();
     }
-    if pressed(Modifiers::COMMAND, Key::Z) {
+    for _ in 0..count(Modifiers::COMMAND, Key::Z) {
         panel.undo();
     }
     if pressed(Modifiers::COMMAND, Key::A) {
@@ -100,15 +103,10 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if pressed(Modifiers::NONE, Key::Delete) {
         panel.delete();
     }
-    // Several taps may come with one frame.
-    let count = |modifiers, key| {
-        let taps = ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
-        taps as f32
-    };
     let mut way = Vec2::ZERO;
     for (key, _, direction, _) in ARROWS {
-        way += direction * (count(Modifiers::SHIFT, key) * FINE_STEP_MM);
-        way += direction * (count(Modifiers::NONE, key) * panel.grid_mm);
+        way += direction * (count(Modifiers::SHIFT, key) as f32 * FINE_STEP_MM);
+        way += direction * (count(Modifiers::NONE, key) as f32 * panel.grid_mm);
     }
     if way != Vec2::ZERO {
         let now = ui.input(|input| input.time);
@@ -187,8 +185,29 @@ fn handle_clipboard(ui: &egui::Ui, panel: &mut EditorPanel) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{TWO_KEYS, Window};
     use super::*;
+    use crate::editor::ControlKind;
     use crate::texts::{Language, set_language, text};
+
+    #[test]
+    fn each_of_several_undos_of_one_frame_acts() {
+        let mut window = Window::open();
+        for _ in 0..2 {
+            window.panel().add_control(ControlKind::Key);
+        }
+        let undo = Event::Key {
+            key: Key::Z,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::COMMAND,
+        };
+        let events = &mut window.harness.input_mut().events;
+        events.extend([undo.clone(), undo]);
+        window.harness.run_steps(1);
+        assert_eq!(window.text(), TWO_KEYS);
+    }
 
     #[test]
     fn the_hint_of_the_board_names_the_steps_of_the_arrow_keys() {
