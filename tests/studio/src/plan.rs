@@ -231,6 +231,30 @@ fn boards_in_one_place_are_listed_during_the_drag_and_escape_undoes_it() {
 }
 
 #[test]
+fn a_drag_of_two_frames_moves_a_board_from_its_press_to_its_release() {
+    let file = EditedFile::new("plan-slow.ron", FINGERS_AND_THUMB);
+    let mut window = open_plan(&file);
+    window.click(text("editor-view-front"));
+    let board = place(&window, "Board 1");
+    let way = vec2(23.0, 31.0) * (board.width() / WIDTH_MM);
+    let (from, to) = (board.center(), board.center() + way);
+    let moved = egui::Event::PointerMoved;
+    let frames = [
+        [moved(from), button(from, true), moved(from + way * 0.6)],
+        [moved(to), button(to, false), moved(to + way)],
+    ];
+    for events in frames {
+        window.harness.input_mut().events.extend(events);
+        window.draw(1);
+    }
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    let expected = FINGERS_AND_THUMB
+        .replace("right_mm: 4", "right_mm: 27")
+        .replacen("height_mm: -45", "height_mm: -76", 1);
+    assert_eq!(file.text(), expected);
+}
+
+#[test]
 fn a_double_click_opens_a_board_and_escape_leads_back() {
     let file = EditedFile::new("plan-open.ron", FINGERS_AND_THUMB);
     let mut window = open_plan(&file);

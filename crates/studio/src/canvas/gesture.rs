@@ -103,7 +103,7 @@ pub fn begin(
 
 impl Gesture {
     /// Returns the point at which it has begun, in millimetres.
-    const fn start(&self) -> Vec2 {
+    pub const fn start(&self) -> Vec2 {
         match self {
             Self::Band { from, .. }
             | Self::Move { from }

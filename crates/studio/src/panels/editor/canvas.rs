@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{self, Event, EventFilter, PointerButton, Sense, TouchPhase};
+use eframe::egui::{self, EventFilter, PointerButton, Sense};
 use parry3d::math::Vec2;
 
 use super::super::{PanelContext, look, space, zoom};
-use super::{EditorPanel, palette, rounded, rulers};
+use super::{EditorPanel, palette, pointer, rounded, rulers};
 use crate::canvas::board::Fingertip;
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::{self, Gesture, Preview};
@@ -72,9 +72,9 @@ pub(super) fn operate(
     move_view(ui, &response, &mut viewport, pans, to_local, size);
     panel.viewport.move_to(viewport);
     if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
-        let point = viewport.to_board(to_local(at), size);
-        handle_mouse(ui, panel, &response, point, viewport.scale);
-        set_cursor(ui, panel, point, viewport.scale);
+        let to_board = |point| viewport.to_board(to_local(point), size);
+        handle_mouse(ui, panel, &response, (at, &to_board), viewport.scale);
+        set_cursor(ui, panel, to_board(at), viewport.scale);
     }
     panel.check_drag(ui.ctx());
     palette::show_menu(&response, panel);
@@ -88,23 +88,9 @@ fn drop_stale_drag(ui: &egui::Ui, panel: &mut EditorPanel) {
         let pointer = &input.pointer;
         !pointer.primary_down() && !pointer.primary_released()
     });
-    if (is_over || is_touch_cancelled(ui)) && panel.is_dragging_on_canvas() {
+    if (is_over || pointer::is_touch_cancelled(ui)) && panel.is_dragging_on_canvas() {
         panel.cancel_drag();
     }
-}
-
-/// Returns `true` if the system has taken a touch away, which releases no button.
-pub(super) fn is_touch_cancelled(ui: &egui::Ui) -> bool {
-    let is_cancel = |event: &Event| {
-        matches!(
-            event,
-            Event::Touch {
-                phase: TouchPhase::Cancel,
-                ..
-            }
-        )
-    };
-    ui.input(|input| input.events.iter().any(is_cancel))
 }
 
 /// The drawings over the items, and below the board.
@@ -165,60 +151,90 @@ fn handle_mouse(
     ui: &egui::Ui,
     panel: &mut EditorPanel,
     response: &egui::Response,
-    point: Vec2,
+    (at, to_board): (egui::Pos2, &dyn Fn(egui::Pos2) -> Vec2),
     scale: f32,
 ) {
     if response.secondary_clicked() {
-        select_for_menu(panel, point);
+        select_for_menu(panel, to_board(at));
     }
-    let modifiers = ui.input(|input| input.modifiers);
-    let starts = ui.input(|input| input.pointer.button_pressed(PointerButton::Primary));
-    if starts && response.contains_pointer() {
-        leave_fields(panel, response);
-        panel.update_items();
-        if bend_handle(panel).is_some_and(|at| (at - point).length() * scale <= BEND_REACH) {
+    for change in pointer::changes(ui) {
+        let place = (to_board(change.at), scale);
+        if !change.is_pressed {
+            end_drag(panel, response, place, change.modifiers);
+        } else if pointer::is_on(response, &change) {
+            begin_drag(panel, response, place, change.modifiers.shift);
+        }
+    }
+    if response.dragged_by(PointerButton::Primary) {
+        let modifiers = ui.input(|input| input.modifiers);
+        let place = (to_board(at), scale);
+        if panel.dragged_radius.is_none() {
+            drag_to(panel, place, modifiers);
+        } else if ui.input(|input| input.pointer.press_origin() == input.pointer.interact_pos()) {
+            // A press beside the middle of the handle bends nothing, nor does a drag that returns there.
             panel.dragged_radius = panel.items.radius;
-            return;
+        } else {
+            drag_bend(panel, place.0);
         }
-        let items = &panel.items.items;
-        let begun = gesture::begin(items, &mut panel.selected, point, scale, modifiers.shift);
-        panel.gesture = Some(begun);
-        panel.preview = Preview::default();
-        panel.select_items_in_editor();
     }
-    let is_down = ui.input(|input| input.pointer.button_down(PointerButton::Primary));
+}
+
+/// Begins the drag of a press at a point, at a scale in points per millimetre. `adds` keeps what is selected.
+fn begin_drag(
+    panel: &mut EditorPanel,
+    response: &egui::Response,
+    (point, scale): (Vec2, f32),
+    adds: bool,
+) {
+    leave_fields(panel, response);
+    panel.update_items();
+    if is_at_bend_handle(panel, (point, scale)) {
+        panel.dragged_radius = panel.items.radius;
+        return;
+    }
+    let items = &panel.items.items;
+    let begun = gesture::begin(items, &mut panel.selected, point, scale, adds);
+    panel.gesture = Some(begun);
+    panel.preview = Preview::default();
+    panel.select_items_in_editor();
+}
+
+/// Shows what a drag to a point leads to.
+fn drag_to(panel: &mut EditorPanel, (point, scale): (Vec2, f32), modifiers: egui::Modifiers) {
+    if let Some(gesture) = panel.gesture.clone() {
+        let snap = snap_settings(panel, modifiers, scale);
+        let items = &panel.items.items;
+        panel.preview = gesture.preview(items, &mut panel.selected, point, snap);
+    }
+}
+
+/// Ends a drag, or a click, by a release at a point.
+fn end_drag(
+    panel: &mut EditorPanel,
+    response: &egui::Response,
+    (point, scale): (Vec2, f32),
+    modifiers: egui::Modifiers,
+) {
     if panel.dragged_radius.is_some() {
-        if response.dragged_by(PointerButton::Primary) {
-            let is_at_start =
-                ui.input(|input| input.pointer.press_origin() == input.pointer.interact_pos());
-            if is_at_start {
-                // A press beside the middle of the handle bends nothing, nor does a drag that returns there.
-                panel.dragged_radius = panel.items.radius;
-            } else {
-                drag_bend(panel, point);
-            }
+        if !is_at_bend_handle(panel, (point, scale)) {
+            drag_bend(panel, point);
         }
-        if !is_down {
-            end_bend(panel);
-        }
+        end_bend(panel);
         return;
     }
     let Some(gesture) = panel.gesture.clone() else {
         return;
     };
-    if response.dragged_by(PointerButton::Primary) {
-        let snap = snap_settings(panel, modifiers, scale);
-        let items = &panel.items.items;
-        panel.preview = gesture.preview(items, &mut panel.selected, point, snap);
+    // The mouse has moved on since the last frame, which may have been before the drag.
+    if response.drag_stopped() || pointer::is_drag(gesture.start(), (point, scale)) {
+        drag_to(panel, (point, scale), modifiers);
     }
-    if !is_down {
-        let preview = std::mem::take(&mut panel.preview);
-        panel.gesture = None;
-        if preview.shapes.is_empty() && !modifiers.shift {
-            finish_click(panel, &gesture);
-        }
-        finish(panel, &gesture, &preview);
+    let preview = std::mem::take(&mut panel.preview);
+    panel.gesture = None;
+    if preview.shapes.is_empty() && !modifiers.shift {
+        finish_click(panel, &gesture);
     }
+    finish(panel, &gesture, &preview);
 }
 
 /// Returns what a drag snaps to at a scale in points per millimetre: nothing while Alt is held.
@@ -356,6 +372,10 @@ pub(super) fn bend_handle(panel: &EditorPanel) -> Option<Vec2> {
     let radius = panel.items.radius?;
     let half_width = draw::bend_half_width(&panel.items.items);
     bend::curve(radius, half_width).last().copied()
+}
+
+fn is_at_bend_handle(panel: &EditorPanel, (point, scale): (Vec2, f32)) -> bool {
+    bend_handle(panel).is_some_and(|at| (at - point).length() * scale <= BEND_REACH)
 }
 
 fn drag_bend(panel: &mut EditorPanel, point: Vec2) {

@@ -19,6 +19,8 @@ mod open;
 mod outside;
 mod palette;
 mod plan;
+mod plan_drag;
+mod pointer;
 mod problems;
 mod repeat;
 mod rulers;

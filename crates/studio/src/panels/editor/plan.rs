@@ -6,10 +6,11 @@ use eframe::egui::{self, PointerButton, Sense};
 use parry3d::math::Vec2;
 
 use super::super::{PanelContext, look, space};
-use super::{EditorPanel, canvas, free_view, palette, rulers};
+use super::plan_drag::{self, PlanDrag};
+use super::{EditorPanel, canvas, free_view, palette, pointer, rulers};
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::Preview;
-use crate::canvas::plan::gesture::{self, PlanChange, PlanGesture};
+use crate::canvas::plan::gesture::{self, PlanGesture};
 use crate::canvas::plan::{Plan, PlanView, at_start, handles};
 use crate::canvas::selection::Selection;
 use crate::canvas::viewport::{AreaViewport, Viewport};
@@ -39,20 +40,11 @@ pub(super) struct PlanPanel {
     hands: Vec<HandPose>,
     /// Revision of the text of the plan.
     shown: Option<u64>,
-    drag: Option<PlanDrag>,
+    pub drag: Option<PlanDrag>,
     /// Size of the canvas in the last frame, in points.
     size: Vec2,
     /// Guides and rubber band of the drag.
-    preview: Preview,
-}
-
-/// A drag of the mouse.
-struct PlanDrag {
-    gesture: PlanGesture,
-    /// The edit of the drag so far, which is the last one of the history.
-    edit: Option<Edit>,
-    /// Revision of the text after it. With another one the last edit does not belong to the drag.
-    revision: u64,
+    pub preview: Preview,
 }
 
 impl PlanPanel {
@@ -162,13 +154,13 @@ impl EditorPanel {
         }
     }
 
-    fn end_drag(&mut self) {
+    pub(super) fn end_drag(&mut self) {
         self.plan.drag = None;
         self.plan.preview = Preview::default();
     }
 
     /// Returns `true` if nothing but a drag has changed the text since it began.
-    fn is_current(&self, drag: &PlanDrag) -> bool {
+    pub(super) fn is_current(&self, drag: &PlanDrag) -> bool {
         drag.revision == self.editor.revision()
     }
 
@@ -272,17 +264,24 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     };
     canvas::move_view(ui, &response, &mut viewport, pans, to_local, size);
     panel.plan.viewport().move_to(viewport);
-    if panel.plan.is_dragging() && canvas::is_touch_cancelled(ui) {
+    if panel.plan.is_dragging() && pointer::is_touch_cancelled(ui) {
         panel.escape();
     }
     if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
-        let point = viewport.to_board(to_local(at), size);
-        if response.contains_pointer() && ui.input(|input| input.pointer.primary_pressed()) {
-            canvas::leave_fields(panel, &response);
-            panel.update_plan(context);
+        let to_picture = |point| viewport.to_board(to_local(point), size);
+        for change in pointer::changes(ui) {
+            let place = (to_picture(change.at), viewport.scale);
+            if !change.is_pressed {
+                plan_drag::end(panel, &response, place, change.modifiers);
+            } else if pointer::is_on(&response, &change) {
+                canvas::leave_fields(panel, &response);
+                panel.update_plan(context);
+                plan_drag::begin(panel, place, change.modifiers.shift);
+            }
         }
-        handle_mouse(ui, panel, &response, (point, viewport.scale));
-        set_cursor(ui, panel, (point, viewport.scale));
+        let place = (to_picture(at), viewport.scale);
+        handle_mouse(ui, panel, &response, place);
+        set_cursor(ui, panel, place);
         // The same picture shows the changes of a drag.
         panel.update_plan(context);
     }
@@ -308,7 +307,6 @@ fn handle_mouse(
     response: &egui::Response,
     (point, scale): (Vec2, f32),
 ) {
-    let modifiers = ui.input(|input| input.modifiers);
     let view = panel.plan.view;
     let hit = (point, HIT_REACH / scale);
     if response.double_clicked() {
@@ -325,59 +323,10 @@ fn handle_mouse(
     {
         panel.editor.select([item.part]);
     }
-    let starts = ui.input(|input| input.pointer.button_pressed(PointerButton::Primary));
-    if starts && response.contains_pointer() {
-        let mut selected = panel.selected_in_plan();
-        let plan = &panel.plan.plan;
-        let gesture = gesture::begin(plan, &mut selected, view, (point, scale), modifiers.shift);
-        panel.editor.select(selected);
-        panel.plan.drag = Some(PlanDrag {
-            gesture,
-            edit: None,
-            revision: panel.editor.revision(),
-        });
-    }
-    let Some(drag) = &panel.plan.drag else {
-        return;
-    };
     if response.dragged_by(PointerButton::Primary) {
-        if !panel.is_current(drag) {
-            panel.end_drag();
-            return;
-        }
-        let snap = canvas::snap_settings(panel, modifiers, scale);
-        let selected = drag.gesture.selected(&panel.plan.plan, view, point);
-        let change = drag.gesture.change(view, point, snap);
-        if let Some(selected) = selected {
-            panel.editor.select(selected);
-        }
-        follow(panel, change);
+        let modifiers = ui.input(|input| input.modifiers);
+        plan_drag::follow(panel, (point, scale), modifiers);
     }
-}
-
-/// Makes the edit of a drag, in place of its edit so far: one step of undo.
-fn follow(panel: &mut EditorPanel, change: PlanChange) {
-    panel.plan.preview.guides = change.guides;
-    panel.plan.preview.band = change.band;
-    let Some(mut drag) = panel.plan.drag.take() else {
-        return;
-    };
-    if drag.edit != change.edit {
-        let result = match (&drag.edit, &change.edit) {
-            (Some(_), Some(edit)) => panel.editor.amend(edit),
-            (None, Some(edit)) => panel.editor.apply(edit),
-            (_, None) => {
-                panel.editor.take_back();
-                Ok(())
-            }
-        };
-        if result.is_ok() {
-            drag.edit = change.edit;
-        }
-        panel.report(result);
-        drag.revision = panel.editor.revision();
-    }
-    panel.plan.drag = Some(drag);
 }
 
 fn set_cursor(ui: &egui::Ui, panel: &EditorPanel, (point, scale): (Vec2, f32)) {
