@@ -117,6 +117,18 @@ fn the_command_that_repeats_asks_for_the_distances_that_suit_the_selection() {
 }
 
 #[test]
+fn the_first_number_of_repetitions_has_the_focus_after_the_command() {
+    let mut window = Window::open();
+    window.press(Modifiers::COMMAND, Key::A);
+    window.run(text("editor-repeat"));
+    window.harness.run_steps(3);
+    window.write("2");
+    window.press(Modifiers::NONE, Key::Enter);
+    window.click_button(text("editor-repeat-now"));
+    assert_eq!(window.panel().selected.len(), 4);
+}
+
+#[test]
 fn the_keys_of_the_palette_close_it_again() {
     let mut window = Window::open();
     window.press(Modifiers::COMMAND, Key::K);

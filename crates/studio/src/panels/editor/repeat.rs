@@ -24,6 +24,8 @@ const MIN_RADIUS_MM: f32 = 5.0;
 pub(super) struct Repeat {
     /// `true` if the menu opens in the next frame.
     pub is_asked: bool,
+    /// `true` if its first number gets the focus, as no click has opened it.
+    takes_focus: bool,
     /// Columns and rows.
     count: [usize; 2],
     /// Distances to the right and away from the wearer, in millimetres.
@@ -40,6 +42,7 @@ impl Default for Repeat {
     fn default() -> Self {
         Self {
             is_asked: false,
+            takes_focus: false,
             count: [3, 1],
             pitch_mm: [19.0, -19.0],
             arc_count: 3,
@@ -89,6 +92,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, is_enabled: bool)
         let (button, _) = menu.ui(ui, |ui| show_menu(ui, panel));
         let is_asked = mem::take(&mut panel.repeat.is_asked);
         if is_asked {
+            panel.repeat.takes_focus = true;
             Popup::open_id(ui.ctx(), Popup::default_response_id(&button));
         }
         if is_asked || button.clicked() {
@@ -132,7 +136,9 @@ fn show_grid(ui: &mut egui::Ui, repeat: &mut Repeat) {
     egui::Grid::new("editor-repeat").show(ui, |ui| {
         let counts = ["editor-columns", "editor-rows"];
         for (name, count) in counts.into_iter().zip(&mut repeat.count) {
-            show_count(ui, text(name), count, 1..=40);
+            // A frame that only measures the menu drops the focus again.
+            let takes_focus = !ui.is_sizing_pass() && mem::take(&mut repeat.takes_focus);
+            show_count(ui, text(name), (count, 1..=40), takes_focus);
         }
         let pitches = ["editor-pitch-x", "editor-pitch-y"];
         for (name, pitch) in pitches.into_iter().zip(&mut repeat.pitch_mm) {
@@ -143,7 +149,8 @@ fn show_grid(ui: &mut egui::Ui, repeat: &mut Repeat) {
 
 fn show_arc(ui: &mut egui::Ui, repeat: &mut Repeat) {
     egui::Grid::new("editor-repeat-arc").show(ui, |ui| {
-        show_count(ui, text("editor-arc-count"), &mut repeat.arc_count, 2..=72);
+        let count = &mut repeat.arc_count;
+        show_count(ui, text("editor-arc-count"), (count, 2..=72), false);
         let step = &mut repeat.arc_step_deg;
         show_number(ui, text("editor-arc-step"), step, (-180.0..=180.0, "°"));
         let radius = &mut repeat.arc_radius_mm;
@@ -152,8 +159,18 @@ fn show_arc(ui: &mut egui::Ui, repeat: &mut Repeat) {
     });
 }
 
-fn show_count(ui: &mut egui::Ui, name: &str, count: &mut usize, range: RangeInclusive<usize>) {
+fn show_count(
+    ui: &mut egui::Ui,
+    name: &str,
+    (count, range): (&mut usize, RangeInclusive<usize>),
+    takes_focus: bool,
+) {
     let label = ui.label(name);
+    if takes_focus {
+        // A number that gets the focus before it is drawn is selected, and replaced by what is typed.
+        let id = ui.next_auto_id();
+        ui.memory_mut(|memory| memory.request_focus(id));
+    }
     let number = egui::DragValue::new(count).range(range).speed(0.05);
     ui.add(number).labelled_by(label.id);
     ui.end_row();
