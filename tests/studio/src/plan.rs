@@ -255,6 +255,18 @@ fn a_drag_of_two_frames_moves_a_board_from_its_press_to_its_release() {
 }
 
 #[test]
+fn a_board_that_is_pasted_beyond_the_picture_is_shown() {
+    let file = EditedFile::new("plan-pasted.ron", FINGERS_AND_THUMB);
+    let mut window = open_plan(&file);
+    let pasted = "(boards: [(pose: (anchor: elbow, forward_mm: 320, right_mm: 900), \
+                  keys: [(code: \"X\", at_mm: (0, 0))])])";
+    window.harness.event(egui::Event::Paste(pasted.to_owned()));
+    window.draw(3);
+    let (area, shown) = (canvas(&window), place(&window, "Board 3"));
+    assert!(area.contains_rect(shown), "{shown} in {area}");
+}
+
+#[test]
 fn a_double_click_opens_a_board_and_escape_leads_back() {
     let file = EditedFile::new("plan-open.ron", FINGERS_AND_THUMB);
     let mut window = open_plan(&file);

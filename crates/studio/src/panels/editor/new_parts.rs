@@ -108,6 +108,7 @@ impl EditorPanel {
             };
             let has_failed = result.is_err();
             self.report(result);
+            self.plan.has_added |= self.plan.is_open && !has_failed;
             if has_failed || !self.overlap_others(boards) && !self.cover_others(spaces) {
                 return;
             }

@@ -1,6 +1,7 @@
 //! The plan of the layout editor: all boards and targets in space where they are, with mouse, keyboard and painting.
 
 use std::collections::BTreeMap;
+use std::mem;
 
 use eframe::egui::{self, PointerButton, Sense};
 use parry3d::math::Vec2;
@@ -43,6 +44,8 @@ pub(super) struct PlanPanel {
     pub drag: Option<PlanDrag>,
     /// Size of the canvas in the last frame, in points.
     size: Vec2,
+    /// Something was added since the last frame.
+    pub has_added: bool,
     /// Guides and rubber band of the drag.
     pub preview: Preview,
 }
@@ -176,6 +179,25 @@ impl EditorPanel {
         *self.plan.viewport() = AreaViewport::default();
     }
 
+    /// Shows everything if something was added that is not in the picture. It is selected.
+    fn show_added_in_plan(&mut self) {
+        if !mem::take(&mut self.plan.has_added) {
+            return;
+        }
+        let (view, size) = (self.plan.view, self.plan.size);
+        let selection = self.editor.selection();
+        let added = self
+            .plan
+            .plan
+            .extent(view, |part| selection.contains(&part));
+        let seen = self.plan.viewport().visible(Some(size));
+        if let (Some(added), Some(seen)) = (added, seen)
+            && !(seen.min.cmple(added.min).all() && seen.max.cmpge(added.max).all())
+        {
+            self.show_all_in_plan();
+        }
+    }
+
     /// Shows the selected items as large as they fit, or everything without any.
     pub(super) fn zoom_to_selection_in_plan(&mut self) {
         let (view, size) = (self.plan.view, self.plan.size);
@@ -244,6 +266,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     }
     panel.plan.size = size;
     panel.update_plan(context);
+    panel.show_added_in_plan();
     let name = text("editor-plan-canvas");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
     canvas::keep_arrow_keys(ui, &response);
