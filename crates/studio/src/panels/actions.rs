@@ -2,8 +2,9 @@
 
 use eframe::egui::{Context, Event, InputState, Key, KeyboardShortcut, Modifiers, Ui};
 
+use super::editor::{self, EditorPanel};
 use super::table::{SCOPE, SENSORS};
-use super::{PanelContext, PanelState, Workspace, editor};
+use super::{PanelContext, PanelState, Workspace};
 use crate::camera::Viewpoint;
 use crate::model::StudioModel;
 use crate::texts::text;
@@ -253,7 +254,7 @@ fn move_focus(ui: &Context, state: &mut PanelState, step: isize) {
 /// Performs the actions whose keys were pressed. Letters are left to words that are edited, and to a calibration that is shown. While a
 /// question waits for an answer, only the pause acts.
 pub(super) fn handle_keys(ui: &Ui, state: &mut PanelState, context: &mut PanelContext) {
-    let is_editing = ui.ctx().text_edit_focused();
+    let is_editing = ui.ctx().text_edit_focused() || has_palette(state);
     if !is_editing {
         ui.input_mut(drop_held_clicks);
     }
@@ -273,6 +274,15 @@ pub(super) fn handle_keys(ui: &Ui, state: &mut PanelState, context: &mut PanelCo
             spec.action.perform(ui.ctx(), state, context);
         }
     }
+}
+
+/// Returns `true` while the palette of commands takes what is typed.
+fn has_palette(state: &PanelState) -> bool {
+    let editor = state
+        .editor
+        .as_ref()
+        .and_then(|opened| opened.as_ref().ok());
+    state.workspace == Workspace::Layout && editor.is_some_and(EditorPanel::has_palette)
 }
 
 /// Takes the presses of a shortcut. Returns `true` if the key went down: a key that is held repeats, and would resume what it has paused.

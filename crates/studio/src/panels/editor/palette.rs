@@ -1,6 +1,6 @@
 //! The palette of commands: every command of the editor that can be used, found by a part of its name.
 
-use eframe::egui::{self, Align2, Key};
+use eframe::egui::{self, Align2, EventFilter, Key};
 
 use super::super::actions::{Action, Offer};
 use super::shortcuts::{ARROWS, FINE_STEP_MM, is_asked};
@@ -13,6 +13,14 @@ const WIDTH: f32 = 420.0;
 
 /// Distance of the palette from the upper edge of the window, in points.
 const TOP: f32 = 90.0;
+
+/// The keys that do not move the focus from the field of the palette.
+const FIELD_KEYS: EventFilter = EventFilter {
+    tab: true,
+    horizontal_arrows: true,
+    vertical_arrows: true,
+    escape: false,
+};
 
 /// The palette between two frames.
 #[derive(Default)]
@@ -161,6 +169,11 @@ fn nudges(grid_mm: f32) -> Vec<Command> {
 }
 
 impl EditorPanel {
+    /// Returns `true` while the palette takes what is typed.
+    pub(in super::super) fn has_palette(&self) -> bool {
+        self.palette.is_open()
+    }
+
     /// Returns the action of the window that was chosen in the palette.
     pub(in super::super) fn take_action(&mut self) -> Option<Action> {
         self.palette.action.take()
@@ -294,11 +307,15 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             ui.set_width(WIDTH);
             let field = egui::TextEdit::singleline(&mut palette.query)
                 .hint_text(text("editor-palette-hint"))
+                .event_filter(FIELD_KEYS)
                 .desired_width(f32::INFINITY);
             let field = ui.add(field);
             let name = text("editor-palette-hint");
             field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
-            field.request_focus();
+            // A request for what it has would end the composition of a letter, and let arrow keys move the focus.
+            if !field.has_focus() {
+                field.request_focus();
+            }
             if field.changed() {
                 palette.chosen = 0;
             }
@@ -352,23 +369,44 @@ mod tests {
     use ademan_core::layout::Fit;
     use eframe::egui::{Event, Modifiers};
 
-    use super::super::tests::Window;
+    use super::super::tests::{TWO_KEYS, Window};
     use super::*;
     use crate::editor::LayoutEditor;
+
+    fn pressed(key: Key) -> Event {
+        Event::Key {
+            key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        }
+    }
+
+    #[test]
+    fn arrow_keys_choose_a_command_and_move_no_controls() {
+        let mut window = Window::open();
+        window.press(Modifiers::COMMAND, Key::A);
+        window.press(Modifiers::COMMAND, Key::K);
+        for _ in 0..3 {
+            let events = [Key::ArrowDown, Key::ArrowDown].map(pressed);
+            window.harness.input_mut().events.extend(events);
+            window.harness.run_steps(1);
+        }
+        assert_eq!(window.panel().palette.chosen, 6);
+        assert_eq!(window.text(), TWO_KEYS);
+    }
 
     #[test]
     fn words_and_enter_of_one_frame_run_the_command_of_these_words() {
         let mut window = Window::open();
         window.press(Modifiers::COMMAND, Key::K);
-        let enter = Event::Key {
-            key: Key::Enter,
-            physical_key: None,
-            pressed: true,
-            repeat: false,
-            modifiers: Modifiers::NONE,
-        };
         let words = Event::Text(text("editor-select-all").to_owned());
-        window.harness.input_mut().events.extend([words, enter]);
+        window
+            .harness
+            .input_mut()
+            .events
+            .extend([words, pressed(Key::Enter)]);
         window.harness.run_steps(2);
         assert!(!window.panel().palette.is_open());
         assert_eq!(window.panel().selected.len(), 2);

@@ -61,13 +61,14 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if pressed(Modifiers::COMMAND, Key::K) {
         panel.palette.toggle();
     }
-    // A menu takes its own Escape, and acts on what is selected.
-    if ui.ctx().text_edit_focused() || egui::Popup::is_any_open(ui.ctx()) {
+    // A menu and the palette take their own keys, and act on what is selected.
+    let has_list = panel.palette.is_open() || egui::Popup::is_any_open(ui.ctx());
+    if has_list || ui.ctx().text_edit_focused() {
         return;
     }
-    // The palette takes its own Escape, and so does a window unless something is dragged.
+    // A window takes its own Escape unless something is dragged.
     let is_dragging = panel.plan.is_dragging() || panel.is_dragging_on_canvas();
-    let is_covered = panel.palette.is_open() || panel.is_covered && !is_dragging;
+    let is_covered = panel.is_covered && !is_dragging;
     let can_escape = panel.can_escape() && !is_covered && !ends_typing;
     if can_escape && pressed(Modifiers::NONE, Key::Escape) {
         panel.escape();
