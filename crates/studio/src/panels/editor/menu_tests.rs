@@ -129,6 +129,19 @@ fn the_first_number_of_repetitions_has_the_focus_after_the_command() {
 }
 
 #[test]
+fn escape_on_a_button_beside_the_name_of_a_copy_cancels_the_copy() {
+    let mut window = Window::open();
+    window.press(Modifiers::COMMAND, Key::A);
+    window.panel().ask_for_path();
+    window.harness.run_steps(2);
+    window.press(Modifiers::NONE, Key::Tab);
+    assert!(window.panel().save_as.is_some());
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(window.panel().save_as.is_none());
+    assert_eq!(window.panel().selected.len(), 2, "the selection stays");
+}
+
+#[test]
 fn the_keys_of_the_palette_close_it_again() {
     let mut window = Window::open();
     window.press(Modifiers::COMMAND, Key::K);

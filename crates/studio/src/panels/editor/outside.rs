@@ -23,6 +23,8 @@ pub(super) struct SaveAs {
     then_close: bool,
     /// The field has had the focus, which it gets at first.
     is_begun: bool,
+    /// The field or one of its buttons had the focus in the last frame.
+    pub has_focus: bool,
 }
 
 /// A save of a layout with errors, until it is answered.
@@ -115,13 +117,16 @@ fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if !mem::replace(&mut save_as.is_begun, true) {
         field.request_focus();
     }
-    let is_left_by = |key| field.lost_focus() && ui.input(|input| input.key_pressed(key));
-    if is_left_by(Key::Escape) {
+    let is_pressed = |key| ui.input(|input| input.key_pressed(key));
+    if save_as.has_focus && is_pressed(Key::Escape) {
         return;
     }
     let path = PathBuf::from(save_as.path.trim());
     let is_file = path.file_name().is_some() && !path.is_dir();
-    let is_entered = is_left_by(Key::Enter) && is_file;
+    let is_entered = field.lost_focus() && is_pressed(Key::Enter);
+    if is_entered && !is_file {
+        field.request_focus();
+    }
     let words = match (save_as.may_replace, panel.editor.is_valid()) {
         (true, _) => text("editor-replace"),
         (false, true) => text("editor-save"),
@@ -132,10 +137,12 @@ fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
     let button = ui.add_enabled(is_file, egui::Button::new(words));
     let button = button.on_disabled_hover_text(text("editor-save-needs-name"));
-    let is_saved = button.clicked() || is_entered;
-    if ui.button(text("editor-cancel")).clicked() {
+    let is_saved = button.clicked() || is_entered && is_file;
+    let cancel = ui.button(text("editor-cancel"));
+    if cancel.clicked() {
         return;
     }
+    save_as.has_focus = field.has_focus() || button.has_focus() || cancel.has_focus();
     if !is_saved {
         panel.save_as = Some(save_as);
         return;
@@ -332,9 +339,10 @@ impl EditorPanel {
         }
     }
 
-    /// Asks for the name of a copy. A name that is being written stays.
+    /// Asks for the name of a copy. A name that is being written stays, and gets the focus.
     pub(super) fn ask_for_path(&mut self) {
-        if self.save_as.is_some() {
+        if let Some(save_as) = &mut self.save_as {
+            save_as.is_begun = false;
             return;
         }
         let path = match self.editor.path() {

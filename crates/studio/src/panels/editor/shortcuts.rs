@@ -66,9 +66,10 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if has_list || ui.ctx().text_edit_focused() {
         return;
     }
-    // A window takes its own Escape unless something is dragged.
+    // A window, and the name of a copy, take their own Escape unless something is dragged.
     let is_dragging = panel.plan.is_dragging() || panel.is_dragging_on_canvas();
-    let is_covered = panel.is_covered && !is_dragging;
+    let has_name = panel.save_as.as_ref().is_some_and(|asked| asked.has_focus);
+    let is_covered = (panel.is_covered || has_name) && !is_dragging;
     let can_escape = panel.can_escape() && !is_covered && !ends_typing;
     if can_escape && pressed(Modifiers::NONE, Key::Escape) {
         panel.escape();
