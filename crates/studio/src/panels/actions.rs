@@ -146,13 +146,14 @@ pub(super) const ACTIONS: [ActionSpec; 17] = [
 const HELP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::Questionmark);
 
 /// Keys of panels and of the toolkit: names of the keys, and the key of the words.
-pub(super) const OTHER_KEYS: [(&str, &str); 8] = [
+pub(super) const OTHER_KEYS: [(&str, &str); 9] = [
     ("←↑↓→", "keys-orbit"),
     ("Shift+←↑↓→", "keys-pan"),
     ("+, −", "keys-zoom"),
     ("Tab, Shift+Tab", "keys-tab"),
     ("Space, Enter", "keys-operate"),
     ("Esc", "keys-escape"),
+    ("Ctrl+K", "keys-palette"),
     ("Ctrl+Plus, Ctrl+Minus", "keys-scale"),
     ("Ctrl+0", "keys-normal-scale"),
 ];

@@ -108,6 +108,7 @@ keys-zoom = Zoom the 3D view or the scope
 keys-tab = Next or previous control
 keys-operate = Operate the focused control
 keys-escape = Close a menu or a window
+keys-palette = Commands of the layout editor
 keys-scale = Larger, smaller
 keys-normal-scale = Normal size
 

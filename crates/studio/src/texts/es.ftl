@@ -108,6 +108,7 @@ keys-zoom = Acercar o alejar la vista 3D o el osciloscopio
 keys-tab = Control siguiente o anterior
 keys-operate = Accionar el control seleccionado
 keys-escape = Cerrar un menú o una ventana
+keys-palette = Órdenes del editor de distribuciones
 keys-scale = Más grande, más pequeño
 keys-normal-scale = Tamaño normal
 
