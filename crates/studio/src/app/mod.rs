@@ -34,6 +34,9 @@ use ademan_core::snapshot::Snapshot;
 use ademan_runtime::session::view::Viewer;
 use ademan_runtime::session::{CommandSender, LayoutTrial, SessionHandle};
 
+/// Longest time between the clicks of a double click, in seconds: as on most desktops, and two frames of a slow machine.
+const DOUBLE_CLICK_S: f64 = 0.5;
+
 /// The program in the window.
 pub struct StudioApp {
     model: StudioModel,
@@ -166,6 +169,9 @@ impl StudioApp {
     /// Prepares a window for the first frame.
     pub fn prepare(context: &egui::Context) {
         context.set_fonts(fonts());
+        context.options_mut(|options| {
+            options.input_options.max_double_click_delay = DOUBLE_CLICK_S;
+        });
     }
 
     /// The state that the window shows.
