@@ -23,8 +23,10 @@ const WIDTH: f32 = 420.0;
 #[derive(Default)]
 pub(super) struct OpenQuestion {
     query: String,
-    /// The field has had the focus, which it gets at first.
+    /// The field has had the focus, which it gets at first and after Enter.
     is_begun: bool,
+    /// There was no layout for these words, or it could not be opened.
+    has_failed: bool,
 }
 
 impl EditorPanel {
@@ -45,14 +47,21 @@ impl EditorPanel {
         !would_lose
     }
 
-    /// Opens a layout in place of this one, whose unsaved work is kept and offered when it is opened again.
-    fn open_other(&mut self, name: &str) {
+    /// Opens a layout in place of this one, whose unsaved work is kept and offered when it is opened again. Returns `false` if it cannot be
+    /// opened; the reason is the message.
+    fn open_other(&mut self, name: &str) -> bool {
         if !self.can_be_left() {
-            return;
+            return false;
         }
         match LayoutEditor::open(name, self.editor.fit()) {
-            Ok(editor) => self.replace_editor(editor),
-            Err(error) => self.message = Some(Err(error.to_string())),
+            Ok(editor) => {
+                self.replace_editor(editor);
+                true
+            }
+            Err(error) => {
+                self.message = Some(Err(error.to_string()));
+                false
+            }
         }
     }
 
@@ -190,7 +199,7 @@ fn open_dropped(ui: &egui::Ui, panel: &mut EditorPanel) {
     if panel.is_unsaved() {
         panel.open_question = Some(OpenQuestion {
             query,
-            is_begun: false,
+            ..OpenQuestion::default()
         });
     } else {
         panel.open_other(&query);
@@ -208,6 +217,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
         (true, false) => Some(text("editor-open-unsaved")),
         (true, true) => Some(text("editor-open-unkept")),
     };
+    let failure = match &panel.message {
+        Some(Err(reason)) if question.has_failed && unsaved != Some(reason.as_str()) => {
+            Some(reason)
+        }
+        _ => None,
+    };
     let (mut chosen, mut chosen_recent, mut is_empty) = (None, None, false);
     let mut is_closed = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
     let modal = egui::Modal::new(egui::Id::unique("open-question"));
@@ -216,6 +231,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
         ui.strong(text("editor-open-title"));
         if let Some(words) = unsaved {
             ui.colored_label(ui.visuals().warn_fg_color, words);
+        }
+        if let Some(reason) = failure {
+            ui.colored_label(ui.visuals().error_fg_color, reason.as_str());
         }
         let label = ui.label(text("editor-open-name"));
         let field = egui::TextEdit::singleline(&mut question.query).desired_width(f32::INFINITY);
@@ -227,6 +245,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
         }
         if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
             chosen = Some(meant(question.query.trim(), recent));
+            question.is_begun = false;
         }
         // The field stays where it is while a part of a name leaves fewer rows.
         let area = egui::ScrollArea::vertical()
@@ -250,13 +269,19 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
     });
     if let Some(file) = chosen_recent {
         match layouts::drop_missing(recent, &file) {
-            None => panel.open_other(&file),
+            None => _ = panel.open_other(&file),
             Some(message) => panel.message = Some(Err(message)),
         }
         return;
     }
     match chosen.filter(|name| !name.is_empty()) {
-        Some(name) => panel.open_other(&name),
+        Some(name) => {
+            if !panel.open_other(&name) {
+                // The words stay, to be corrected.
+                question.has_failed = true;
+                panel.open_question = Some(question);
+            }
+        }
         None if is_empty => panel.open_empty(),
         None if is_closed => {}
         None => panel.open_question = Some(question),
@@ -267,7 +292,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, recent: &mut Rece
 mod tests {
     use std::fs;
 
-    use super::super::tests::TWO_KEYS;
+    use eframe::egui::Modifiers;
+
+    use super::super::tests::{TWO_KEYS, Window};
     use super::*;
     use crate::editor::{Edit, NewPart, Part};
     use ademan_core::layout::{Fit, Layout};
@@ -280,6 +307,22 @@ mod tests {
         fs::write(&path, content).expect("a file");
         let path = path.to_str().expect("a readable path").to_owned();
         (folder, path)
+    }
+
+    #[test]
+    fn words_without_a_layout_stay_to_be_corrected() {
+        let mut window = Window::open();
+        window.press(Modifiers::COMMAND, Key::O);
+        window.write("nunpad");
+        window.press(Modifiers::NONE, Key::Enter);
+        window.harness.run_steps(2);
+        let question = window.panel().open_question.as_ref();
+        assert!(question.is_some_and(|asked| asked.query == "nunpad"));
+        window.press(Modifiers::COMMAND, Key::A);
+        window.write("numpad");
+        window.press(Modifiers::NONE, Key::Enter);
+        assert!(window.panel().open_question.is_none());
+        assert!(window.panel().editor.name().contains("numpad"));
     }
 
     #[test]
