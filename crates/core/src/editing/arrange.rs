@@ -1,6 +1,6 @@
 //! Arrangement of several controls of a board: align, distribute, mirror, snap.
 
-use super::draft::Draft;
+use super::draft::{Draft, written};
 use super::error::EditError;
 use super::fields::can_turn;
 use super::geometry::{Extent, extent, set_size_one, shift_one, without_children, wrapped};
@@ -48,14 +48,11 @@ pub(super) fn align(
     parts: &[Part],
     edge: AlignEdge,
 ) -> Result<Vec<Part>, EditError> {
-    let (parts, extents) = prepare(
-        draft,
-        parts,
-        2,
-        "select at least two controls to align them",
-    )?;
+    let before = draft.text().to_owned();
+    let message = "select at least two controls to align them";
+    let (aligned, extents) = prepare(draft, parts, 2, message)?;
     let Some(all) = Extent::around(&extents) else {
-        return Ok(parts);
+        return Ok(aligned);
     };
     let (axis, side) = match edge {
         AlignEdge::Left => (0, -1.0),
@@ -66,8 +63,12 @@ pub(super) fn align(
         AlignEdge::CenterY => (1, 0.0),
     };
     let line = |extent: &Extent| extent.center[axis] + side * extent.half[axis];
-    let distances = extents.iter().map(|extent| line(&all) - line(extent));
-    shift_along(draft, &parts, axis, distances.collect())
+    let distance = |extent: &Extent| line(&all) - line(extent);
+    let distances: Vec<f64> = extents.iter().map(distance).collect();
+    if is_still(&distances) {
+        return unchanged(draft, &before, parts);
+    }
+    shift_along(draft, &aligned, axis, distances)
 }
 
 /// Makes the gaps between parts equal.
@@ -76,24 +77,28 @@ pub(super) fn distribute(
     parts: &[Part],
     axis: BoardAxis,
 ) -> Result<Vec<Part>, EditError> {
+    let before = draft.text().to_owned();
     let message = "select at least three controls to distribute them";
-    let (parts, extents) = prepare(draft, parts, 3, message)?;
+    let (distributed, extents) = prepare(draft, parts, 3, message)?;
     let axis = axis as usize;
-    let mut order: Vec<usize> = (0..parts.len()).collect();
+    let mut order: Vec<usize> = (0..distributed.len()).collect();
     order.sort_by(|&a, &b| extents[a].center[axis].total_cmp(&extents[b].center[axis]));
     let (first, last) = (&extents[order[0]], &extents[order[order.len() - 1]]);
     let start = first.center[axis] - first.half[axis];
     let end = last.center[axis] + last.half[axis];
     let widths: f64 = extents.iter().map(|extent| 2.0 * extent.half[axis]).sum();
-    let gap = (end - start - widths) / (parts.len() - 1) as f64;
-    let mut distances = vec![0.0; parts.len()];
+    let gap = (end - start - widths) / (distributed.len() - 1) as f64;
+    let mut distances = vec![0.0; distributed.len()];
     let mut next = start;
     for index in order {
         let extent = &extents[index];
         distances[index] = next + extent.half[axis] - extent.center[axis];
         next += 2.0 * extent.half[axis] + gap;
     }
-    shift_along(draft, &parts, axis, distances)
+    if is_still(&distances) {
+        return unchanged(draft, &before, parts);
+    }
+    shift_along(draft, &distributed, axis, distances)
 }
 
 /// Mirrors parts about the middle of their common outline. A turned one is turned the other way; its front is not mirrored.
@@ -209,6 +214,17 @@ pub(super) fn prepare(
     Ok((parts, extents?))
 }
 
+/// Returns `true` if all distances are too short to be written.
+fn is_still(distances: &[f64]) -> bool {
+    distances.iter().all(|distance| written(*distance) == "0")
+}
+
+/// Returns to the text before, in which keys are in their rows: nothing moves.
+fn unchanged(draft: &mut Draft, before: &str, parts: &[Part]) -> Result<Vec<Part>, EditError> {
+    *draft = Draft::new(before)?;
+    Ok(parts.to_vec())
+}
+
 fn shift_along(
     draft: &mut Draft,
     parts: &[Part],
@@ -254,5 +270,33 @@ mod tests {
             .replace("(0, 0)", "(0, 7)")
             .replace("(5, 0, 90)", "(-5, 0, -90)");
         assert_eq!(along, nearer);
+    }
+
+    #[test]
+    fn keys_that_are_arranged_already_stay_in_their_row() {
+        let text = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), \
+            rows: [(at_mm: (0, 0), keys: \"A B C D\")])])";
+        let key = |column| Part::RowKey {
+            board: 0,
+            row: 0,
+            column,
+        };
+        let parts = vec![key(0), key(1), key(2)];
+        let align = |edge| Edit::Align {
+            parts: parts.clone(),
+            edge,
+        };
+        let distribute = Edit::Distribute {
+            parts: parts.clone(),
+            axis: BoardAxis::X,
+        };
+        for arranged in [align(AlignEdge::Top), distribute] {
+            let edited = edit(text, &arranged).unwrap();
+            assert_eq!(edited.text, text);
+            assert!(edited.patches.is_empty());
+            assert_eq!(edited.parts, parts);
+        }
+        let moved = edit(text, &align(AlignEdge::Left)).unwrap();
+        assert_ne!(moved.text, text);
     }
 }
