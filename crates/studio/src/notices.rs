@@ -1,5 +1,6 @@
 //! Notices of a session in the language of the window. A notice that is not in the table is shown in English, as on a terminal.
 
+use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use super::texts::text;
@@ -44,10 +45,26 @@ static NOTICES: LazyLock<Vec<(String, &'static str)>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Returns a notice of a view in the language of the window.
-pub fn translate(message: &str) -> &str {
+/// Commands of a terminal in notices, and the keys of the words on the buttons that do the same.
+const BUTTONS: [(&str, &str); 2] = [
+    ("`ademan ctl recenter`", "button-recenter"),
+    ("`ademan ctl resume`", "button-resume"),
+];
+
+/// Returns a notice of a view in the language of the window. A command that a button sends has the name of the button: a session of the
+/// window has no control socket, and the command would reach another one.
+pub fn translate(message: &str) -> Cow<'_, str> {
     let known = NOTICES.iter().find(|(notice, _)| notice == message);
-    known.map_or(message, |(_, key)| text(key))
+    if let Some((_, key)) = known {
+        return text(key).into();
+    }
+    let mut words = Cow::Borrowed(message);
+    for (command, key) in BUTTONS {
+        if words.contains(command) {
+            words = words.replace(command, &format!("`{}`", text(key))).into();
+        }
+    }
+    words
 }
 
 #[cfg(test)]
@@ -60,7 +77,7 @@ mod tests {
         set_language(Language::Spanish);
         let translations = NOTICES.iter().map(|(notice, _)| translate(notice));
         for (translation, (notice, _)) in translations.zip(&*NOTICES) {
-            assert_ne!(translation, notice);
+            assert_ne!(translation, notice.as_str());
         }
         let notice = Notice::Stalled.to_string();
         assert_eq!(
@@ -73,5 +90,15 @@ mod tests {
     fn other_notices_are_not_changed() {
         let notice = Notice::Dropped(3).to_string();
         assert_eq!(translate(&notice), notice);
+    }
+
+    #[test]
+    fn a_command_of_a_notice_is_the_button_that_sends_it() {
+        set_language(Language::Spanish);
+        let notice = "nothing is reached; `ademan ctl recenter` brings the boards below the hand";
+        assert_eq!(
+            translate(notice),
+            "nothing is reached; `Recentrar` brings the boards below the hand"
+        );
     }
 }

@@ -69,7 +69,7 @@ fn latest(state: &mut PanelState, said: &Arc<[String]>, now: f64) -> String {
         state.message = None;
     }
     let words = said.last().map(|notice| notices::translate(notice));
-    words.unwrap_or_default().to_owned()
+    words.map(Cow::into_owned).unwrap_or_default()
 }
 
 /// Returns the words of a source: its URI, or the words of a source of the program itself.
