@@ -240,6 +240,7 @@ pub(super) fn text_cell(
     if let Some(reason) = refusal {
         field = field.on_hover_text(reason);
     }
+    panel.form.has_focus |= field.has_focus();
     if !field.has_focus() && !field.lost_focus() {
         return;
     }
@@ -301,6 +302,7 @@ pub(super) fn number_cell(
     let mut shown = typed.unwrap_or(number.old);
     let drag = ui.add(number.drag_value(&mut shown));
     let drag = drag.labelled_by(number.label);
+    panel.form.has_focus |= drag.has_focus();
     // A number that is typed in place of words is new, even if it is the one at which a drag begins.
     let is_changed = is_other_number(number.old, shown, number.decimals)
         || number.hint.is_some() && typed.is_some();

@@ -31,6 +31,8 @@ pub(super) struct FormState {
     pub drafts: Drafts,
     /// A number that is being dragged.
     pub dragged: Option<DraggedField>,
+    /// A field had the focus in the last frame.
+    pub has_focus: bool,
 }
 
 /// A number that is being dragged.
@@ -48,6 +50,7 @@ pub(super) struct DraggedField {
 
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.add_space(4.0);
+    panel.form.has_focus = false;
     panel.follow_selection();
     let parts = panel.editor.selection().to_vec();
     let Some(&first) = parts.first() else {
@@ -126,6 +129,7 @@ fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let dragged = dragged.find(|(own, _)| *own == index);
     let mut shape = typed.or(dragged.map(|(_, shape)| *shape)).unwrap_or(old);
     let usage = show_numbers(ui, &mut shape, can_turn);
+    panel.form.has_focus |= usage.is_active;
     if !usage.is_active && typed.is_none() {
         return;
     }

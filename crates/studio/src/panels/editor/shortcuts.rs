@@ -62,8 +62,14 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         panel.palette.toggle();
     }
     // A menu and the palette take their own keys, and act on what is selected.
-    let has_list = panel.palette.is_open() || egui::Popup::is_any_open(ui.ctx());
-    if has_list || ui.ctx().text_edit_focused() {
+    if panel.palette.is_open() || egui::Popup::is_any_open(ui.ctx()) {
+        return;
+    }
+    if ui.ctx().text_edit_focused() {
+        // A field undoes what is typed into it.
+        if panel.form.has_focus && !panel.form.drafts.has_changes() {
+            undo_and_redo(ui, panel);
+        }
         return;
     }
     // A window, and the name of a copy, take their own Escape unless something is dragged.
@@ -78,16 +84,7 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         // Its edit is the last one until it ends.
         return;
     }
-    // Several taps may come with one frame.
-    let count = |modifiers, key| ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
-    let redone =
-        count(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z) + count(Modifiers::COMMAND, Key::Y);
-    for _ in 0..redone {
-        panel.redo();
-    }
-    for _ in 0..count(Modifiers::COMMAND, Key::Z) {
-        panel.undo();
-    }
+    undo_and_redo(ui, panel);
     if pressed(Modifiers::COMMAND, Key::A) {
         panel.select_all();
     }
@@ -105,6 +102,8 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if pressed(Modifiers::NONE, Key::Delete) {
         panel.delete();
     }
+    // Several taps may come with one frame.
+    let count = |modifiers, key| ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
     let mut way = Vec2::ZERO;
     for (key, _, direction, _) in ARROWS {
         way += direction * (count(Modifiers::SHIFT, key) as f32 * FINE_STEP_MM);
@@ -113,6 +112,19 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if way != Vec2::ZERO {
         let now = ui.input(|input| input.time);
         panel.nudge(way, now);
+    }
+}
+
+/// Undoes an edit for each press of the key since the last frame, and makes one again.
+fn undo_and_redo(ui: &egui::Ui, panel: &mut EditorPanel) {
+    let count = |modifiers, key| ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
+    let redone =
+        count(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z) + count(Modifiers::COMMAND, Key::Y);
+    for _ in 0..redone {
+        panel.redo();
+    }
+    for _ in 0..count(Modifiers::COMMAND, Key::Z) {
+        panel.undo();
     }
 }
 

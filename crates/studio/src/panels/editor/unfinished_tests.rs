@@ -267,6 +267,26 @@ fn a_file_that_is_dropped_is_opened_and_asks_before_unsaved_work_is_left() {
 }
 
 #[test]
+fn undo_acts_while_a_field_has_the_focus_in_which_nothing_is_typed() {
+    let mut window = Window::open();
+    for count in [1, 2] {
+        window.press(Modifiers::NONE, Key::Escape);
+        window.click_board(0.0);
+        if count == 2 {
+            window.press(Modifiers::COMMAND, Key::A);
+        }
+        window.click_field(Role::SpinButton, "Y");
+        window.write("-40");
+        window.press(Modifiers::NONE, Key::Tab);
+        assert_ne!(window.text(), TWO_KEYS);
+        window.press(Modifiers::COMMAND, Key::Z);
+        assert_eq!(window.text(), TWO_KEYS);
+        window.press(Modifiers::NONE, Key::Enter);
+        assert_eq!(window.text(), TWO_KEYS, "the field has the value of before");
+    }
+}
+
+#[test]
 fn taps_of_one_arrow_key_are_one_step() {
     let mut window = Window::open();
     window.click_board(0.0);
