@@ -184,6 +184,18 @@ fn begin(answers: &Answers) -> Result<(StudioApp, SessionHandle), String> {
 }
 
 #[test]
+fn enter_that_is_held_goes_one_page_on() {
+    let mut window = FirstWindow::open(&[]);
+    window.draw();
+    for _ in 0..3 {
+        window.harness.key_down(egui::Key::Enter);
+        window.draw();
+    }
+    let second = text_with("tour-step", &[("step", 2.into()), ("count", 4.into())]);
+    assert!(window.has(&second), "{:?}", window.words());
+}
+
+#[test]
 fn a_glove_is_found_and_each_page_has_a_proposal() {
     let glove = CurlGlove::plug_in();
     let mut window = FirstWindow::open(&[&glove.port]);

@@ -304,7 +304,7 @@ fn take_press(input: &mut InputState, shortcut: &KeyboardShortcut) -> bool {
 }
 
 /// Drops the repetitions of keys that operate a button: a key that is held clicks it once.
-fn drop_held_clicks(input: &mut InputState) {
+pub(super) fn drop_held_clicks(input: &mut InputState) {
     let is_held = |event: &Event| {
         matches!(
             event,

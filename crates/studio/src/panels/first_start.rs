@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, Key, Modifiers, RichText};
 
+use super::actions;
 use crate::first_start::{Answers, FirstStart, LAYOUTS, Page, Port};
 use crate::texts::{text, text_with};
 use ademan_core::hand::Side;
@@ -22,6 +23,7 @@ const BUTTONS_HEIGHT: f32 = 84.0;
 /// Draws the present page. Returns the answers once the session is to start.
 pub fn show(ui: &mut egui::Ui, first: &mut FirstStart) -> Option<Answers> {
     let mut answers = None;
+    ui.input_mut(actions::drop_held_clicks);
     let frame = egui::Frame::central_panel(ui.style()).inner_margin(MARGIN);
     egui::CentralPanel::default().frame(frame).show(ui, |ui| {
         ui.set_max_width(WIDTH);
