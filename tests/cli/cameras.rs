@@ -138,7 +138,7 @@ fn a_camera_that_is_there_twice_is_refused_with_the_reason() {
     };
     let wand = file(&folder, "wand.jsonl", wand_lines(&[first, twin]).join("\n"));
     let ended = calibrate(&wand, &folder.path().join("cameras.ron")).exited(1);
-    ended.reported("`cam0` and `twin`: both see the points from one place");
+    ended.reported("`cam0` and `twin`: both cameras see the points from the same position");
 }
 
 #[test]

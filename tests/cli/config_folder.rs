@@ -76,7 +76,7 @@ fn a_file_that_hides_a_shipped_one_is_reported() {
     home.write("work/media.ron", layout("mine", "A"));
     let ended = home.run("layout check media").done();
     let expected =
-        "`media` is the one that comes with the program; to use media.ron, write ./media.ron";
+        "`media` is the file that comes with the program; to use media.ron, write ./media.ron";
     ended.reported(expected);
     assert_eq!(home.run("layout check media.ron").done().err, "");
     let own = "config/ademan/layouts/media.ron";

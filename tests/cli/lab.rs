@@ -109,7 +109,7 @@ fn a_score_is_printed_written_and_verified() {
     let pace = result.rfind("\"pace_wpm\": ").expect("a parameter");
     let changed_pace = result[..pace].to_owned() + "\"pace_wpm\": 1" + &result[pace + 12..];
     refused(&changed_pace, "the parameters of the people differ");
-    refused("{}", "this is not a file of the lab of this kind");
+    refused("{}", "this is not a lab file of the expected kind");
     refused("[]", "its list is empty");
 }
 

@@ -180,7 +180,11 @@ fn foreign_shards_and_plans_of_other_versions_are_refused() {
             "\"program_version\": \"9.",
             "of the program wrote it",
         ),
-        ("\"shards\": 4", "\"shards\": 0", "it plans nothing"),
+        (
+            "\"shards\": 4",
+            "\"shards\": 0",
+            "an impossible number of shards",
+        ),
         (
             "\"people\": ",
             "\"people\": 9000000000000000",

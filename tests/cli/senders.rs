@@ -125,7 +125,7 @@ fn keys_that_a_person_has_allowed_for_one_sender_are_forbidden_for_the_next_one(
     loop {
         send(&other);
         match messages.recv_timeout(Duration::from_millis(5)) {
-            Ok(line) if line.contains("another sender has followed") => break,
+            Ok(line) if line.contains("another sender has replaced") => break,
             Ok(_) | Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => panic!("the program ended"),
         }

@@ -304,7 +304,7 @@ fn require_key(part: Part) -> Result<Part, EditError> {
         return Ok(part);
     }
     let advice = "; set one of its fields";
-    Err(unsupported(part, "bound as a key is", advice))
+    Err(unsupported(part, "bound like a key", advice))
 }
 
 /// Returns the first key code that no target is named after.

@@ -432,7 +432,7 @@ mod tests {
                 assert_eq!(copied.board_overlaps(), [], "{name}");
             }
         }
-        let reason = "a board cannot be duplicated while its keys are pressed by bending: a finger presses one key; add a layer or \
+        let reason = "this board cannot be duplicated while its keys are pressed by bending: a finger presses one key; add a layer or \
                       chords for more keys";
         assert_eq!(refused, [("chords-bend", 0, reason.to_owned())]);
     }

@@ -12,7 +12,7 @@ pub enum EditError {
     #[error("the text has no such {0} any more; select it again")]
     NoPart(&'static str),
     /// The part does not have what is edited.
-    #[error("a {kind} cannot be {verb}{remedy}")]
+    #[error("this {kind} cannot be {verb}{remedy}")]
     Unsupported {
         /// Kind of the part.
         kind: &'static str,
@@ -36,7 +36,7 @@ pub enum EditError {
     Name(String),
     /// All axes are set by controls.
     #[error(
-        "the copy of a control with the axis `{0}` needs another one, and none of its kind is free; give the control another output before"
+        "the copy of a control with the axis `{0}` needs another axis, and none of its kind is free; give the control another output first"
     )]
     NoAxis(String),
     /// Too few parts for the edit.

@@ -170,6 +170,6 @@ mod tests {
             &Edit::MoveInSpace { parts, by_mm },
         );
         let error = error.unwrap_err().to_string();
-        assert_eq!(error, "a row cannot be moved in space; move its board");
+        assert_eq!(error, "this row cannot be moved in space; move its board");
     }
 }

@@ -115,7 +115,7 @@ pub struct Partial {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReadError {
     /// The file is not JSON of this form.
-    #[error("this is not a file of the lab of this kind: {}", escape_line(.0))]
+    #[error("this is not a lab file of the expected kind: {}", escape_line(.0))]
     NoResult(String),
     /// The file has another version of the format.
     #[error(
@@ -137,18 +137,20 @@ pub enum ReadError {
         own: String,
     },
     /// The phrases do not have their hash.
-    #[error("its phrases do not have the hash {}; the file was changed", escape(.0))]
+    #[error("its phrases do not have the hash {}, so the file was changed; create it again", escape(.0))]
     OtherCorpus(String),
     /// There are no phrases.
-    #[error("it has no phrase; the file was changed")]
+    #[error("it has no phrase, so the file was changed; create it again")]
     NoPhrase,
     /// The run has more people or phrases than any run of the program.
     #[error(
-        "it has more people or phrases than a run may have, {MAX_PEOPLE} and {MAX_PHRASES}; the file was changed"
+        "it has more people or phrases than a run may have, {MAX_PEOPLE} and {MAX_PHRASES}, so the file was changed; create it again"
     )]
     TooLarge,
     /// A count is larger than any run gives.
-    #[error("it has a count above {MAX_COUNT}, which no run gives; the file was changed")]
+    #[error(
+        "it has a count above {MAX_COUNT}, which no run reaches, so the file was changed; create it again"
+    )]
     LargeCount,
 }
 

@@ -80,10 +80,14 @@ pub enum ShardError {
     #[error("it does not hold the people of shard {0}; remove it and run the shard again")]
     OtherPeople(usize),
     /// A layout of the plan is used by another number of people than the plan has.
-    #[error("its layouts do not have the {0} people of the plan; the file was changed")]
+    #[error(
+        "its layouts do not have the {0} people of the plan, so the file was changed; create another plan with `ademan lab plan`"
+    )]
     OtherCount(usize),
-    /// The plan has no people or no layout.
-    #[error("it plans nothing; make another one with `ademan lab plan`")]
+    /// The plan has no people, no layout, or more or fewer shards than it may have.
+    #[error(
+        "it has no people, no layout or an impossible number of shards; create another plan with `ademan lab plan`"
+    )]
     Empty,
 }
 

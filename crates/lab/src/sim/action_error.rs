@@ -33,7 +33,7 @@ pub enum ActionErrorKind {
     )]
     NotOnBoard,
     /// A press in which a finger would press another target, in addition or instead.
-    #[error("the {finger} would press another target", finger = .finger.in_words())]
+    #[error("the {finger} would press another target; move the targets apart, or let another finger press", finger = .finger.in_words())]
     WouldPress {
         /// The finger.
         finger: Finger,
@@ -46,10 +46,10 @@ pub enum ActionErrorKind {
     )]
     WouldMiss(TargetId),
     /// A target to which every path touches another target.
-    #[error("no way to it is free of other controls")]
+    #[error("every path to it touches another control; move the controls apart")]
     NoWay,
     /// A chord of a key that is pressed by touch.
-    #[error("the simulated hand plays chords of fingers that bend only (`contact: Bend`)")]
+    #[error("the simulated hand can play only chords of bent fingers (`contact: Bend`)")]
     NotBent,
     /// An action that needs a pressed fingertip.
     #[error("the fingertip presses nothing; put a `press` or a `push` before this")]
@@ -83,7 +83,7 @@ pub enum ActionErrorKind {
         high: f64,
     },
     /// A pinch in a posture in which the fingertips cannot meet. The value is their distance in metres.
-    #[error("thumb and index finger stay {:.0} mm apart in this posture", .0 * 1e3)]
+    #[error("thumb and index finger stay {:.0} mm apart in this posture; move the hand closer to the body before the pinch", .0 * 1e3)]
     PinchFailed(f64),
 }
 

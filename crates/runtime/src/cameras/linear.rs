@@ -37,7 +37,7 @@ pub enum LinearError {
     Flat,
     /// Both cameras are at one place, or one is there twice.
     #[error(
-        "both see the points from one place; they are one camera, or move one of them aside by a tenth of the distance to the points"
+        "both cameras see the points from the same position; leave one of them out if they are one camera, or move one aside by a tenth of the distance to the points"
     )]
     SamePlace,
     /// The points fit no camera.

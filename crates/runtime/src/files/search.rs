@@ -84,7 +84,7 @@ pub(super) fn resolve(
 fn report_unused(folder: &Path, name: &str) {
     if let Some((path, file)) = file_in(folder, name) {
         tracing::info!(
-            "`{}` is the one that comes with the program; to use {}, write ./{}",
+            "`{}` is the file that comes with the program; to use {}, write ./{}",
             escape(name),
             escape_path(&path),
             escape(&file)

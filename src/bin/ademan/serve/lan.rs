@@ -35,7 +35,7 @@ pub fn run(
 ) -> Result<(), Failure> {
     let address = listen_address(address, port.unwrap_or(PORT))?;
     let allow_root = session.allow_root;
-    // Before there is a token, and its link is shown.
+    // Before a token is created and its link is shown.
     RootArgs { allow_root }.check(true)?;
     let layout = link::trusted(session.layout.clone(), session.trust)?;
     let source = page_source(address, &folder.to_string_lossy(), &layout);
@@ -79,7 +79,7 @@ fn listen_address(given: &str, port: u16) -> Result<SocketAddr, Failure> {
         })?,
         given => given.parse().map_err(|_| {
             Failure::wrong_use(format!(
-                "`{}` is not an address; write the one of this machine, which `ip address` shows: `--lan 192.168.1.7`",
+                "`{}` is not an address; write an address of this machine, which `ip address` shows: `--lan 192.168.1.7`",
                 escape(given)
             ))
         })?,
@@ -106,7 +106,7 @@ fn network_address() -> Option<IpAddr> {
     (!ip.is_unspecified() && !ip.is_loopback()).then_some(ip)
 }
 
-/// Shows the link on the standard output only, as it contains the token. In a file of messages it would stay.
+/// Shows the link on the standard output only: it contains the token, which must not remain in a log file.
 fn show(link: &str) {
     let mut out = io::stdout().lock();
     let picture = headset_link::blocks(link)
@@ -114,14 +114,14 @@ fn show(link: &str) {
         .unwrap_or_default();
     let written = write!(
         out,
-        "{picture}Open this link in the browser of the headset. It is a password: a person who has it can move your pointer.\n{link}\n\
-         The browser warns of the certificate, which this machine has made itself; go on once.\n"
+        "{picture}Open this link in the browser of the headset. It is a password: anyone who has it can move your pointer.\n{link}\n\
+         The browser warns about the certificate, because this machine created it; accept the warning once.\n"
     );
     // A closed terminal ends the session by a signal.
     let _ = written.and_then(|()| out.flush());
 }
 
-/// Asks the person at the terminal to allow keys, and waits for the answer on a thread of its own.
+/// Asks the person at the terminal to allow keys. A thread waits for the answer.
 fn ask_for_consent(control: Option<PathBuf>) {
     let is_asked = io::stdin().is_terminal();
     say!(
@@ -150,15 +150,15 @@ fn ask_for_consent(control: Option<PathBuf>) {
     let _ = thread::Builder::new().name("consent".into()).spawn(listen);
 }
 
-/// Lets the headset press keys, and says so.
+/// Allows the headset to press keys, and reports the outcome.
 fn consent(control: Option<PathBuf>) {
     match allow_keys(control) {
-        Ok(()) => say!("the headset may press keys; `ademan ctl forbid-keys` ends it"),
+        Ok(()) => say!("the headset may press keys; `ademan ctl forbid-keys` revokes this"),
         Err(reason) => complain!("the headset may not press keys: {}", escape(&reason)),
     }
 }
 
-/// Returns the end of a sentence: the ways to let the headset press keys.
+/// Returns the end of the message that the headset only points: how to let it press keys.
 fn remedy(control: Option<&Path>, is_asked: bool) -> String {
     if is_off(control) {
         return ", as no command reaches the session; leave out `--control off` to let it press keys"

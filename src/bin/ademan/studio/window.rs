@@ -119,7 +119,7 @@ pub(super) fn end(
             return Err(Failure::wrong_use(error.to_string()));
         }
         (None, Some(_)) => {
-            complain!("the window has failed; the session goes on, and Ctrl-C ends it");
+            complain!("the window has failed; the session continues, and Ctrl-C ends it");
         }
         (None, None) => complain!("the window has failed"),
     }

@@ -34,7 +34,7 @@ pub enum PositionError {
     },
     /// A bone changes its length.
     #[error(
-        "the length of the {part} changes by {percent:.0} % from reading to reading; bring more light or move nearer to the camera"
+        "the length of the {part} changes by {percent:.0} % from reading to reading; turn on a light or move closer to the camera"
     )]
     Unsteady {
         /// The bone.
@@ -49,7 +49,9 @@ pub enum PositionError {
         reason: String,
     },
     /// The fingertips are on a line.
-    #[error("the fingertips are on a line, which shows no plane; spread thumb and fingers")]
+    #[error(
+        "the fingertips are on a line, so they define no plane; spread the thumb and the fingers"
+    )]
     OnALine,
     /// The fingertips are not in a plane.
     #[error(
@@ -63,7 +65,7 @@ pub enum PositionError {
     },
     /// The plane is too steep for a table.
     #[error(
-        "the fingertips show a slope of {degrees:.0}°, a table has at most 45°; check which way is up for the source"
+        "the plane of the fingertips has a slope of {degrees:.0}°, and a table has at most 45°; check which axis of the source points up"
     )]
     TooSteep {
         /// The slope in degrees.

@@ -1,4 +1,4 @@
-//! The lengths of the bones of a person, from those that the file has.
+//! The lengths of the bones of a person, derived from the lengths in the person file.
 
 use std::ops::RangeInclusive;
 
@@ -9,7 +9,7 @@ use crate::kinematics::{BoneLengths, FOREARM_PER_HAND};
 /// Forearm length as a multiple of hand length: 0.146 and 0.108 of the stature (Drillis & Contini 1966).
 const FOREARM: f64 = 0.146 / 0.108;
 
-/// The ratios of lengths that are not a mistake: a third more or less than the average.
+/// The accepted ratios of lengths: up to a third more or less than the average. A ratio outside its range is a mistake in the file.
 const BREADTH_PER_HAND: RangeInclusive<f64> = 0.3..=0.65;
 const UPPER_ARM_PER_FOREARM: RangeInclusive<f64> = 0.85..=1.7;
 
@@ -26,7 +26,7 @@ pub(super) fn bones(
         .upper_arm_length_mm
         .map(|length| metres(length.get()));
     let average = |length: f64| BoneLengths::from_hand_and_forearm(length, FOREARM * length);
-    // The average person of 180 mm, from which the lengths of others follow in proportion.
+    // An average person with a hand of 180 mm. The lengths that the file lacks follow in proportion.
     let unit = average(0.18).map_err(|error| document.error_at(&document.text, error))?;
     let (by_breadth, by_upper_arm) = (unit.hand / unit.breadth, unit.forearm / unit.upper_arm);
     let derived_forearm = forearm.or(upper_arm.map(|length| length * by_upper_arm));
@@ -54,7 +54,7 @@ pub(super) fn bones(
     Ok(Some(bones))
 }
 
-/// Refuses lengths of which one is a mistake.
+/// Returns an error, at a field of the file, if two lengths have a ratio that no person has.
 fn check(document: &Document, bones: &BoneLengths) -> Result<(), DocumentError> {
     let hand = ("hand_length_mm", bones.hand);
     let forearm = ("forearm_length_mm", bones.forearm);
@@ -70,7 +70,7 @@ fn check(document: &Document, bones: &BoneLengths) -> Result<(), DocumentError> 
         }
         let (low, high) = (ratios.start() * base_length, ratios.end() * base_length);
         let message = format!(
-            "`{name}` is {:.0} mm and `{base}` {:.0} mm, which no hand or arm has together: with this `{base}` it is {:.0} to {:.0} mm; measure both again",
+            "`{name}` of {:.0} mm does not fit `{base}` of {:.0} mm: with this `{base}` it is {:.0} to {:.0} mm; measure both again",
             length * 1e3,
             base_length * 1e3,
             low * 1e3,

@@ -15,7 +15,7 @@ impl SessionLoop<'_> {
         if has_changed && self.pipeline.withdraw_allowed_keys(&mut self.events) {
             self.send_events()?;
             tracing::warn!(
-                "another sender has followed the one that keys were allowed for: the roles of the setup apply again; allow keys once more if this one may type"
+                "another sender has replaced the sender that was allowed to press keys: the roles of the setup apply again; run `ademan ctl allow-keys` again if the new sender may type"
             );
             // A replay has no senders.
             self.publish_command(Command::ForbidKeys, true);

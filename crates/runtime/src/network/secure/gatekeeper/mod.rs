@@ -242,7 +242,7 @@ fn report_wrong_token(address: IpAddr, pause: Duration) {
     match pause {
         Duration::ZERO => tracing::warn!("refused a client at {address}: its token is not valid"),
         pause => tracing::warn!(
-            "refused a client at {address}: its token is not valid, and too many were not; its connections are closed for {} s",
+            "refused a client at {address}: its token is not valid, as were too many before it; its connections are closed for {} s",
             pause.as_secs()
         ),
     }

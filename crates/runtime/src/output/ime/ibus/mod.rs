@@ -60,7 +60,7 @@ fn run(bus: Bus, requests: &Receiver<Request>, shared: &Shared) {
             return;
         }
         tracing::warn!(
-            "IBus has ended: a word that was open is lost, and what is typed goes through the keys, uncorrected, until IBus is back"
+            "IBus has ended: the unfinished word is lost, and text is typed with keys, without corrections, until IBus is back"
         );
         bus = loop {
             if is_session_over(requests, shared) {
