@@ -24,7 +24,7 @@ schema! {
         pub language: String,
         /// Types letters that no key types, such as `ó`, if the output can write text.
         pub accents: bool,
-        /// The file of what the decoder has learned of the person: read at the start, written by `ademan ctl save-learned`.
+        /// The file of what the decoder has learned about the person: read at the start, written by `ademan ctl save-learned`.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub learned: Option<String>,
     }

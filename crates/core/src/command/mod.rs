@@ -69,7 +69,7 @@ pub enum Command {
         /// Ratio of the new size to the present one.
         factor: f32,
     },
-    /// Takes the present angles of the resting hand as its rest pose, until the end of the session. A request of the layout
+    /// Makes the present angles of the resting hand its rest pose, until the end of the session. A request of the layout
     /// waits until the hand rests.
     Zero,
     /// Removes what `Zero` has changed.
@@ -81,19 +81,19 @@ pub enum Command {
         /// The mode.
         mode: TextMode,
     },
-    /// Takes a candidate of the text decoder in place of what was typed of a word, with a space after it.
+    /// Replaces the word that is being typed by a candidate of the text decoder and a space.
     Candidate {
         /// The position, 1 to 3, the most probable one first.
         #[serde(deserialize_with = "whole_number")]
         number: u8,
     },
-    /// Forgets what the text decoder has learned of the person.
+    /// Forgets what the text decoder has learned about the person.
     ForgetLearned,
-    /// Writes what the text decoder has learned of the person to its file.
+    /// Writes what the text decoder has learned about the person to its file.
     SaveLearned,
-    /// Lets all sources of the session press keys, also those on the network. A layout cannot issue it.
+    /// Allows all sources of the session to press keys, including sources on the network. A layout cannot issue it.
     AllowKeys,
-    /// Lets the sources of the session only point.
+    /// Allows the sources of the session only to point.
     ForbidKeys,
     /// Writes the poses and the size of the boards to the layout file.
     Save,

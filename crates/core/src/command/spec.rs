@@ -126,17 +126,17 @@ pub const SPECS: &[CommandSpec] = &[
     },
     plain(
         "zero",
-        "Correct a glove that has slipped: take the angles of the resting hand as its rest pose",
+        "Correct a glove that has slipped: use the angles of the resting hand as its rest pose",
         "Zero",
     ),
     plain(
         "undo-zero",
-        "Return to the angles of before `zero`",
+        "Undo `zero`: return to the angles before it",
         "Undo zero",
     ),
     plain(
         "undo-learning",
-        "Return to the calibrated ranges of the sensors, from what `--learn-ranges` has learned",
+        "Discard the ranges that `--learn-ranges` has learned, and return to the calibration",
         "Unlearn",
     ),
     CommandSpec {
@@ -152,33 +152,33 @@ pub const SPECS: &[CommandSpec] = &[
     },
     CommandSpec {
         name: "candidate",
-        summary: "Take a candidate of the text decoder in place of the word that is typed",
+        summary: "Replace the word that is being typed by a candidate of the text decoder",
         key_label: "Word",
         fields: &[FieldSpec {
             name: "number",
-            summary: "Its position, the most probable one first",
+            summary: "Number of the candidate; 1 is the most probable",
             example: "1",
             kind: FieldKind::Whole { min: 1, max: 3 },
         }],
     },
     plain(
         "forget-learned",
-        "Forget what the text decoder has learned of the person",
+        "Forget, in this run, what the text decoder has learned about you; its file stays",
         "Forget",
     ),
     plain(
         "save-learned",
-        "Write what the text decoder has learned of the person to the file of --learned",
+        "Write what the text decoder has learned about you to the file of --learned",
         "Learned",
     ),
     plain(
         "allow-keys",
-        "Let the sources press keys, also a headset or another source on the network; until the session ends or another sender follows",
+        "Allow all sources to press keys, including a headset and other sources on the network, until the session ends or another sender replaces the present one",
         "Keys",
     ),
     plain(
         "forbid-keys",
-        "Release everything, and let the sources only point",
+        "Release everything, and allow the sources only to point",
         "No keys",
     ),
     plain(

@@ -68,7 +68,7 @@ pub trait PressFilter: Send {
     /// Sets the mode, if it decodes text.
     fn set_mode(&mut self, _: TextMode) {}
 
-    /// Forgets what it has learned of the person, and what is pending.
+    /// Forgets what it has learned about the person, and what is pending.
     fn forget(&mut self) {}
 
     /// Takes candidate `number`, from 1, in place of the word that is typed, in the next step that [may type](FilterInput::may_type).

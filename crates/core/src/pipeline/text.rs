@@ -5,7 +5,7 @@ use crate::command::CommandOrigin;
 use crate::hand::Side;
 
 impl Pipeline {
-    /// Returns what displays show of the text decoder of the active layout, if it has one.
+    /// Returns the state of the text decoder of the active layout for displays, or `None` without a decoder.
     pub fn text_state(&self) -> Option<&TextState> {
         self.layout().filter().and_then(PressFilter::text_state)
     }
@@ -16,8 +16,8 @@ impl Pipeline {
         layout.filter_mut().ok_or(CommandError::NoTextDecoder)
     }
 
-    /// Takes a candidate in place of the word that is typed. Fails if displays show none with this number, except for a layout, whose key
-    /// may come in the step in which the word changes.
+    /// Replaces the word that is being typed by a candidate. Fails if displays show no candidate with this number, unless a layout asks:
+    /// its key may be pressed in the step in which the word changes.
     pub(super) fn choose(&mut self, number: u8, origin: CommandOrigin) -> Result<(), CommandError> {
         let filter = self.text_filter()?;
         let shown = filter
@@ -37,7 +37,7 @@ impl Pipeline {
         others.filter_map(|(_, profile)| profile.layout.filter())
     }
 
-    /// Forgets the knowledge of the text decoders of all layouts about the person. Fails if the active one has none.
+    /// Forgets what the text decoders of all layouts have learned about the person. Fails if the active layout has no decoder.
     pub(super) fn forget_learned(&mut self) -> Result<(), CommandError> {
         self.text_filter()?;
         for profile in &mut self.profiles {

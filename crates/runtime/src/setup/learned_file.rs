@@ -1,4 +1,4 @@
-//! The file of what the text decoder has learned of the person.
+//! The file of what the text decoder has learned about the person.
 
 use std::fs;
 use std::io::ErrorKind;

@@ -191,14 +191,14 @@ impl<'m> Corrector<'m> {
         self.is_partial = is_inside;
     }
 
-    /// Takes over what another corrector has learned of the person.
+    /// Takes over what another corrector has learned about the person.
     pub fn take_over(&mut self, before: &Self) {
         self.restored.take_over(&before.restored);
         self.names.take_over(&before.names);
         self.decoder.take_over(&before.decoder);
     }
 
-    /// Forgets what was learned of the person, and drops what is pending.
+    /// Forgets what was learned about the person, and drops what is pending.
     pub fn forget(&mut self) {
         self.restored.clear();
         self.names.clear();

@@ -210,7 +210,7 @@ impl<'m> Decoder<'m> {
         self.model.add_own_word(word);
     }
 
-    /// Drops all taps, and forgets what was learned of the person. Does not allocate.
+    /// Drops all taps, and forgets what was learned about the person. Does not allocate.
     pub fn forget(&mut self) {
         self.model.own_mut().clear();
         self.words = WordRates::default();
@@ -221,7 +221,7 @@ impl<'m> Decoder<'m> {
         self.start_anywhere();
     }
 
-    /// Drops all taps, and continues after unknown text with what another decoder has learned of the person.
+    /// Drops all taps, and continues after unknown text with what another decoder has learned about the person.
     pub(crate) fn take_over(&mut self, before: &Decoder) {
         self.model.own_mut().take_over(before.model.own());
         self.touch = before.touch.clone();
