@@ -35,7 +35,7 @@ fn pose(shown: &str) -> Option<u32> {
     before.rsplit_once("pose ")?.1.parse().ok()
 }
 
-/// Asserts that the folder has only the file of before.
+/// Asserts that the folder has only the file that was there before.
 fn assert_unchanged(folder: &TempDir) {
     let text = fs::read_to_string(folder.path().join("mine.ron"));
     assert_eq!(text.expect("a file"), PRECIOUS);
@@ -47,7 +47,7 @@ fn ctrl_z_gives_the_terminal_back_and_the_calibration_continues() {
     let (folder, mut screen) = start();
     screen.wait_for_text("pose 3 of 13  ●●▶");
     signal("TSTP", screen.program.0.id());
-    screen.wait_for("terminal of before", |screen| {
+    screen.wait_for("restored terminal", |screen| {
         !screen.text().contains("pose")
     });
     screen.assert_restored();

@@ -1,4 +1,4 @@
-//! `ademan practice`: a text that a simulated hand types, its result, and the results of before.
+//! `ademan practice`: a text that a simulated hand types, its result, and earlier results.
 
 use std::fs;
 use std::path::{Path, PathBuf};

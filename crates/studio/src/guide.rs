@@ -207,7 +207,7 @@ impl Guide {
         self.finish();
     }
 
-    /// Takes the present pose again, or the one before during the countdown.
+    /// Starts the present pose again, or during its countdown the previous pose.
     pub fn repeat(&mut self) {
         self.result = None;
         self.procedure.repeat();

@@ -180,7 +180,7 @@ impl History {
         }
     }
 
-    /// Adds a value, which replaces the one before if the control is still moved.
+    /// Adds a value. It replaces the previous value while the control is still being moved.
     pub fn push_value(&mut self, sent: SentValue) {
         let is_moved = |last: &SentValue| {
             sent.time.since(last.time).as_secs_f64() <= MAX_PAUSE_SECONDS

@@ -121,7 +121,7 @@ impl StudioModel {
             let hands = state.hands.iter().map(ViewHand::pose);
             let known = &self.poses[side.index()];
             match hands.into_iter().find(|pose| pose.side == side) {
-                // A press makes a view of its own, with the hand of the one before.
+                // A press causes a view of its own, which shows the hand of the previous view.
                 Some(pose) if known.is_some_and(|known| known.time == pose.time) => {}
                 Some(pose) => self.set_pose(&pose),
                 None if state.state == PipelineState::Running => self.poses[side.index()] = None,
@@ -142,7 +142,7 @@ impl StudioModel {
         self.remember_keys(&before.keys, &state);
     }
 
-    /// Adds the keys that a view has and the one before has not as presses, and the others as releases.
+    /// Adds a press for each key that is down only in the new view, and a release for each key that is down only in the previous view.
     fn remember_keys(&mut self, before: &[KeyCode], state: &ViewState) {
         // A view without a hand may have no time.
         let end = self.history.end().filter(|_| state.hands.is_empty());
@@ -187,7 +187,7 @@ impl StudioModel {
         for (pose, is_lost) in self.poses.iter_mut().zip(snapshot.lost_hands) {
             *pose = pose.filter(|_| !is_lost);
         }
-        // A snapshot may be older than the view, and the step that exchanges layouts resets controls of the one before, whose targets
+        // A snapshot may be older than the view, and the step that exchanges layouts resets controls of the previous layout, whose targets
         // have the ids of others now.
         if snapshot.target_names == self.target_names {
             self.keep_contacts(snapshot);

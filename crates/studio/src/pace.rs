@@ -34,7 +34,7 @@ impl Pace {
         }
     }
 
-    /// Returns the pause after a frame that is drawn at `now`, in seconds; `cost` is the processor time of the one before.
+    /// Returns the pause after a frame that is drawn at `now`, in seconds; `cost` is the processor time of the previous frame.
     ///
     /// Input ends a pause.
     pub fn pause(&mut self, now: f64, has_changed: bool, cost: Duration) -> Duration {

@@ -11,11 +11,11 @@
 //!  swipe ──────────────────────────────────────┘
 //! ```
 //!
-//! - [`logarithm`] stores probabilities in a byte, alike on every machine.
+//! - [`logarithm`] stores a probability in a byte, with the same result on every machine.
 //! - [`model`] is the language: letters, words, pairs of words and spelling in one block of bytes.
-//! - [`build`] makes its bytes.
+//! - [`build`] creates its bytes.
 //! - [`keyboard`] holds keys and taps, in millimetres.
-//! - [`touch`] models where taps land that mean a key, and learns it for a person.
+//! - [`touch`] models where the taps for each key land, and learns this for a person.
 //! - [`decoder`] finds the text that taps most probably mean.
 //! - [`swipe`] holds paths of fingers over letters, and finds the words that explain them.
 //! - [`correction`] turns the text into edits of a text field.
@@ -38,13 +38,13 @@
 //!   real taps and is learned. The scale of the prior's covariance shrinks with the distances of the last taps from the
 //!   likeliest keys, before anything is committed.
 //! - `P(word | two words before)` interpolates threes, pairs and words with absolute discounting (Ney, Essen and Kneser 1994); the
-//!   probability of a word alone comes half from its count, half from the number of words before it (Kneser and Ney 1995). Another
-//!   model can have a share of all of them; English has one.
+//!   probability of a word alone comes half from its count, half from the number of words before it (Kneser and Ney 1995). A
+//!   second model can be mixed into all of them, as in English.
 //! - A word that the lexicon lacks costs e^-6.5 and its letters, each by up to four letters before it, interpolated after Witten and Bell
 //!   (1991). So an unknown word stays as it was typed unless a known one is much likelier.
 //! - Errors are omitted, added and exchanged letters and spaces, each with a cost of its own: [`Options`]. How often this person misses a
 //!   tap, exchanges two or makes one that means nothing is learned from committed text, as is how many of the last words were unknown.
-//!   A tap that means nothing lands near the one before (80 %, normal, 0.9 keys), or anywhere.
+//!   A tap that means nothing lands near the previous tap (80 %, normal, 0.9 keys), or anywhere.
 //! - A mark after a word has a probability that depends on the length of the sentence before it.
 //!
 //! The search is Viterbi's over the trie of words with a beam, as in VelociTap (Vertanen et al. 2015). Inside a word, a hypothesis

@@ -33,7 +33,7 @@ pub struct Args {
     /// Stage, or `body`: the angles of the eleven joints of a body, from its T pose, as `ademan body angles` prints them
     #[arg(value_parser = traced(), required_unless_present = "stats")]
     stage: Option<Traced>,
-    /// Order of the Euler angles of `body`, `zxy` by default; with `angles`, print the rotation of each joint against the one before it too
+    /// Order of the Euler angles of `body`, `zxy` by default; with `angles`, also print the rotation of each joint relative to its parent
     #[arg(long, value_name = "ORDER", value_parser = order, conflicts_with = "stats")]
     euler: Option<EulerOrder>,
     /// Print the jitter at rest, the lag of the filters and the parameters of each bend sensor at the end, in place of the results
@@ -152,7 +152,7 @@ fn body_line(snapshot: &Snapshot, order: EulerOrder) -> Option<String> {
     Some(json(&line))
 }
 
-/// Returns the fields of the rotation of each joint against the one before it, in degrees; for the shoulder, against
+/// Returns the fields of the rotation of each joint relative to its parent, in degrees; for the shoulder, relative to
 /// the world.
 fn rotations(pose: &HandPose, order: EulerOrder) -> String {
     let known: Vec<Joint> = pose.known().map(|(joint, _)| joint).collect();

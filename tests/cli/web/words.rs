@@ -60,7 +60,7 @@ fn words_are_corrected_and_a_click_takes_one() {
     };
     assert_eq!(loaded(&browser), [""; 0]);
 
-    // A layout with faults does not lose the one before.
+    // A layout with faults leaves the previous layout active.
     edit(&mut browser, "it.value + ')'");
     choose(&mut browser, "auto en");
     assert_eq!(

@@ -9,7 +9,7 @@
 //!
 //! Orders of both: `wait MS`, `set JOINT DEG`, with the meaning of `docs/scripts.md`.
 //!
-//! **Orders of [`fingers`].** Each step is one reading of a hand, 10 ms after the one before.
+//! **Orders of [`fingers`].** Each step is one reading of a hand, 10 ms after the previous one.
 //!
 //! | order | meaning |
 //! |---|---|

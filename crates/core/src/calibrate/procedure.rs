@@ -142,7 +142,7 @@ impl Procedure {
         self.capture = None;
     }
 
-    /// Takes the present pose again from its countdown on, or the one before if the present one has not begun.
+    /// Starts the present pose again with its countdown, or the previous pose if the present pose has not begun.
     pub fn repeat(&mut self) {
         let is_counting =
             |capture: &PoseCapture| matches!(capture.state(), CaptureState::Preparing(_));

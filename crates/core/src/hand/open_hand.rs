@@ -16,7 +16,7 @@ const STILL: f32 = 0.025;
 /// The smallest distance of a fingertip from its knuckle, as a fraction of the length of the finger: a bend of 60° in all.
 const OPEN: f32 = 0.9;
 
-/// A fingertip since it is still.
+/// A fingertip that is still, and the time since when it has been still.
 #[derive(Clone, Copy, Debug)]
 pub struct StillTip {
     since: Timestamp,

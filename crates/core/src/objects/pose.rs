@@ -1,7 +1,7 @@
 //! The object of a pose.
 //!
 //! It has 182 numbers. Without the generic serialization of maps and names it takes half the time, and the numbers of a joint
-//! that turns with the one before it, as a fingertip does, are copied.
+//! that turns with its parent, as a fingertip does, are copied.
 
 use std::ops::Range;
 

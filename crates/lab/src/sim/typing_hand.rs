@@ -94,7 +94,7 @@ impl TypingHand {
     }
 
     /// Creates the hand of an arm whose joints are measured without a glove: each joint angle is a channel. The last joint
-    /// of a finger follows the one before it, as its tendon pulls both.
+    /// of a finger follows the joint before it, because one tendon pulls both.
     pub fn without_glove(arm: &ArmModel) -> Self {
         let limits = JointLimits::human();
         let links = arm.links().iter().filter_map(|link| link.dof);

@@ -27,7 +27,7 @@ const CLEAR: f64 = 0.6;
 const START: f64 = 2.2;
 /// The time after the last stroke, in seconds.
 const AFTER: f64 = 0.5;
-/// Strokes are planned this long before the one before them is at its lowest point, in seconds.
+/// The time by which a stroke is planned before the previous stroke is at its lowest point, in seconds.
 const AHEAD: f64 = 0.25;
 /// The shortest time between two strokes, in seconds.
 const APART: f64 = 0.03;

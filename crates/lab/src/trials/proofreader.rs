@@ -37,7 +37,7 @@ pub(super) struct Proofreader {
     presented: Vec<char>,
     probability: f64,
     notice: f64,
-    /// The numbers of typed and of presented characters before which nothing is looked at any more.
+    /// The numbers of typed and of presented characters up to which the person has finished reading.
     settled: (usize, usize),
     seen: Option<Seen>,
     left: usize,

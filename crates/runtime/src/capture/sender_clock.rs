@@ -113,7 +113,7 @@ impl SenderClock {
         true
     }
 
-    /// Returns the age of a reading with this delay, in microseconds, which was sent `elapsed` after the one before it, and updates
+    /// Returns the age of a reading with this delay, in microseconds, which was sent `elapsed` after the previous reading, and updates
     /// the smallest delay.
     fn age(&mut self, delay: i64, elapsed: Duration) -> i64 {
         // The delay of readings that are too old does not come from the clock.

@@ -49,7 +49,7 @@ use ademan_core::names::named_enum;
 pub(crate) const HAS_TLS: bool = cfg!(feature = "tls");
 
 named_enum! {
-    /// The permission that a token grants. Each includes the ones before it.
+    /// The permission that a token grants. Each variant includes the permissions of the variants before it.
     pub enum TokenRole ("role") {
         /// Receives shared data; as the token of a source, only moves the hand on the screen.
         See = "see",

@@ -119,7 +119,7 @@ mod tests {
         let map = map.with_calibrations(&calibrations);
         link.replace(Some(&map), &JointAngles::default(), Smoothing::Off)
             .unwrap();
-        // Snapshots of before the change wait in the queue, with presses and releases of their own.
+        // Snapshots from before the change wait in the queue, with their own presses and releases.
         let mut pressed = 1;
         let swapped = snapshots.iter().find(|snapshot| {
             for event in &snapshot.events {

@@ -43,7 +43,7 @@ impl ShareKind {
         }
     }
 
-    /// Returns `true` if every object replaces the one before it, so that a rate limit may leave some out.
+    /// Returns `true` if every object replaces the previous one, so that a rate limit may skip objects.
     const fn is_continuous(self) -> bool {
         matches!(
             self,

@@ -62,7 +62,7 @@ pub struct StudioApp {
     settings_file: SettingsFile,
     /// Clicks on presses; without it Studio is silent.
     sound: Option<Sound>,
-    /// The last frame shows something that the one before did not, even without input.
+    /// `true` if the last frame differed from the frame before it, even without input.
     has_changed: bool,
 }
 

@@ -10,7 +10,7 @@ use crate::scene::SceneColors;
 /// Width of a ruler, in points.
 pub const WIDTH: f32 = 18.0;
 
-/// Distances between ticks and between numbers, in millimetres. Each is a multiple of the one before.
+/// Distances between ticks and between numbers, in millimetres. Each is a multiple of the previous distance.
 const STEPS: [f32; 7] = [1.0, 5.0, 10.0, 50.0, 100.0, 500.0, 1000.0];
 
 /// The smallest distances between ticks and between numbers, in points.

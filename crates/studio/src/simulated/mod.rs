@@ -112,7 +112,7 @@ mod tests {
         }
     }
 
-    /// Returns the number of readings of 2000 that differ from the one before, once the hand has begun.
+    /// Returns how many of 2000 readings differ from their predecessor, once the hand has begun to move.
     fn moves(settings: &HandSettings) -> usize {
         let (mut hand, mut control) = simulated();
         control.apply(settings).expect("settings");

@@ -15,7 +15,7 @@ const LAST: u32 = 0xff_ffff;
 const LOWEST_GAIN: f64 = 1e-12;
 const HIGHEST_GAIN: f64 = 1.0;
 const STEPS: u32 = 16;
-/// Choices, each with the weights that the rows have after the one before.
+/// Choices, each with the weights that the rows have after the previous choice.
 const PASSES: u32 = 3;
 
 /// Returns the rows and entries of pairs, and the contexts and entries of threes, in at most `room` bytes.

@@ -47,7 +47,7 @@ impl From<Restored> for Vec<String> {
     }
 }
 
-/// Returns the words of a text from the one around a place to the one before its common end with another text.
+/// Returns the words of a text from the word around a position to the last word before the end that it has in common with another text.
 fn changed<'a>(shown: &'a str, prefix: usize, target: &str) -> impl Iterator<Item = &'a str> {
     let pairs = shown[prefix..]
         .chars()

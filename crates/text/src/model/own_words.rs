@@ -1,4 +1,4 @@
-//! The words of the person, beside the lexicon: a trie of the same kind as the [lexicon](super::lexicon), made again with each word.
+//! The words of the person, beside the lexicon: a trie of the same kind as the [lexicon](super::lexicon), rebuilt when a word is added.
 
 use arrayvec::ArrayVec;
 
@@ -12,8 +12,8 @@ const MAX_LETTERS: usize = 32;
 /// The most letters of all words, and so the most nodes beside the root; words for which there is no room are left out.
 const MAX_NODES: usize = 8_192;
 
-/// The log-probability of a word of the person: once in 13 000 words, as of the 1 500th word of English. The person has asked for it,
-/// or has typed it three times within one run.
+/// The log-probability of a word of the person: once in 13 000 words, the frequency of the 1 500th most frequent word of English. The
+/// person has asked for the word, or has typed it three times within one run.
 const LOG_PROBABILITY: f64 = -9.5;
 
 /// A word in lower case, and how it is written inside a sentence.
@@ -23,7 +23,7 @@ struct OwnWord {
     case: Case,
 }
 
-/// The words below a node that is still to be made.
+/// The range of words below a node that is not built yet.
 #[derive(Clone, Copy, Debug)]
 struct Open {
     start: u16,
@@ -42,14 +42,14 @@ pub struct OwnWords {
 }
 
 impl OwnWords {
-    /// Makes room for all words.
+    /// Reserves memory for the largest number of words.
     pub fn reserve(&mut self) {
         self.words.reserve_exact(MAX_WORDS);
         self.nodes.reserve_exact(MAX_NODES + 1);
         self.queue.reserve_exact(MAX_NODES + 1);
     }
 
-    /// Copies the words of another list, and keeps the room for more.
+    /// Copies the words of another list, and keeps the reserved memory.
     pub fn take_over(&mut self, other: &Self) {
         self.clear();
         self.words.extend_from_slice(&other.words);
@@ -85,7 +85,7 @@ impl OwnWords {
         self.build();
     }
 
-    /// Makes the nodes in breadth-first order.
+    /// Builds the nodes in breadth-first order.
     fn build(&mut self) {
         let word_byte = quantize(LOG_PROBABILITY);
         self.nodes.clear();
@@ -127,7 +127,7 @@ impl OwnWords {
         }
     }
 
-    /// Returns a node, 0 for the root; after the last one, a node that ends the children of the one before.
+    /// Returns a node, 0 for the root. For the index after the last node, returns a node that ends the list of children of the last node.
     pub(super) fn node(&self, index: u32) -> Node {
         let node = self.nodes.get(index as usize).copied();
         node.unwrap_or_else(|| {

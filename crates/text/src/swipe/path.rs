@@ -48,7 +48,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Samples a path in place of the one before. A path without length has no samples.
+    /// Replaces the samples by the samples of another path. A path without length has no samples.
     pub fn set(&mut self, path: &[Millimetres]) {
         self.points.clear();
         self.directions.clear();

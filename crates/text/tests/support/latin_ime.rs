@@ -5,7 +5,7 @@
 //! the lexicon with a sum of costs, each error costs a constant, the place of a tap costs its squared distance from the key in key
 //! widths, and a word costs the more the rarer it is, on a logarithmic scale from 0 to 1. The code is not taken over.
 //!
-//! Left out are what the published table does not have: cheaper and dearer variants for first, last and doubled letters, the costs of
+//! Left out is what the published table does not contain: cheaper and dearer variants for first, last and doubled letters, the costs of
 //! neighboring keys (here a letter costs its distance or a substitution, the lesser of both), the sweet spots of keys, surplus
 //! spaces, completions, pairs of words, and the threshold below which the typed word stays. As with the other competitors, the
 //! best word is always taken.
@@ -59,7 +59,7 @@ impl Hypothesis {
 /// The hypotheses that explain the same number of taps.
 struct Level {
     live: Vec<Hypothesis>,
-    /// The cost from which on a hypothesis has no place.
+    /// The cost at and above which a hypothesis is dropped.
     limit: f32,
 }
 
@@ -101,7 +101,7 @@ pub struct LatinIme {
 }
 
 impl LatinIme {
-    /// Makes the lexicon of words with the natural logarithms of their probabilities. Words that the keyboard cannot type are left out.
+    /// Builds the lexicon from words and the natural logarithms of their probabilities. Leaves out words that the keyboard cannot type.
     pub fn new(words: Vec<(String, f32)>, keyboard: &Keyboard) -> Self {
         let probabilities = words.iter().map(|(_, log_probability)| *log_probability);
         let best = probabilities.clone().fold(f32::NEG_INFINITY, f32::max);
@@ -190,12 +190,12 @@ struct Search<'a> {
     costs: &'a [Vec<f32>],
     /// The hypotheses by the number of taps that they explain.
     levels: Vec<Level>,
-    /// Words after which a space is missing, each with the index of the one before it.
+    /// Words after which a space is missing, each with the index of the word before it.
     finished: Vec<(usize, Option<usize>)>,
 }
 
 impl Search<'_> {
-    /// Lets the hypotheses at a tap explain it.
+    /// Extends the hypotheses at a tap by this tap.
     fn step(&mut self, index: usize) {
         self.levels[index].prune();
         let live = std::mem::take(&mut self.levels[index].live);
@@ -228,7 +228,7 @@ impl Search<'_> {
         }
     }
 
-    /// Ends a word, and lets the first letter of another one explain a tap.
+    /// Ends a word, and explains the tap by the first letter of another word: the space between them is missing.
     fn begin_word(&mut self, from: Hypothesis, word: usize, index: usize) {
         let lexicon = self.lexicon;
         let cost = from.cost + lexicon.words[word].1 + MISSING_SPACE;

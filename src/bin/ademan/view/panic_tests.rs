@@ -85,9 +85,9 @@ fn a_panic_gives_the_terminal_back() {
         };
         let screen = String::from_utf8_lossy(&ended.stdout).into_owned();
         let (_, covered) = screen.split_once("\x1b[?1049h").expect("a view");
-        let (_, after) = covered.rsplit_once("\x1b[?1049l").unwrap_or_else(|| {
-            panic!("{place}: the screen of before does not come back: {screen}")
-        });
+        let (_, after) = covered
+            .rsplit_once("\x1b[?1049l")
+            .unwrap_or_else(|| panic!("{place}: the previous screen is not restored: {screen}"));
         let cursor = covered.rfind("\x1b[?25h");
         assert!(cursor > covered.rfind("\x1b[?25l"), "{place}: no cursor");
         assert!(after.contains("intended"), "{place}: no message: {screen}");

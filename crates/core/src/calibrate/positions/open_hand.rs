@@ -12,7 +12,7 @@ use crate::time::Timestamp;
 /// The longest gap between two readings.
 const MAX_GAP: Duration = Duration::from_millis(500);
 
-/// Most readings that are kept: a second of the fastest source.
+/// The most readings that are kept: one second of the fastest source.
 const MAX_READINGS: usize = 400;
 
 /// A request to the person.
@@ -29,13 +29,13 @@ pub enum HoldAdvice {
 /// Collects the readings of one hand while it is open and still.
 #[derive(Clone, Debug, Default)]
 pub struct OpenHand {
-    /// The index fingertip since it is still.
+    /// The index fingertip, while it is still.
     tip: Option<StillTip>,
     readings: Vec<JointPositions>,
 }
 
 impl OpenHand {
-    /// Processes a reading of the hand. A reading without it, with a bent finger or at another position starts again.
+    /// Processes a reading of the hand. A reading without a hand, with a bent finger or at another position starts the second again.
     pub fn update(&mut self, time: Timestamp, positions: &JointPositions) -> HoldAdvice {
         let at = match (positions.get(Joint::IndexTip), is_open(positions)) {
             (Some(at), Some(true)) => at.as_vec3(),
@@ -58,7 +58,7 @@ impl OpenHand {
         HoldAdvice::Hold
     }
 
-    /// Returns the part of the second that has passed, 0 to 1. A source with few readings a second needs longer.
+    /// Returns the fraction of the second that has passed, 0 to 1. A source with few readings per second needs longer.
     pub fn progress(&self) -> f32 {
         let passed = self.tip.map_or(Duration::ZERO, |tip| tip.duration());
         let counted = self.readings.len() as f32 / MIN_READINGS as f32;
@@ -67,7 +67,7 @@ impl OpenHand {
             .min(1.0)
     }
 
-    /// Returns the readings since the hand is held.
+    /// Returns the readings since the hand has been held still.
     pub fn readings(&self) -> &[JointPositions] {
         &self.readings
     }

@@ -5,8 +5,8 @@ use glam::{DMat3, DVec3};
 use crate::capture::markers::{Bone, fit_bones, median};
 use crate::hand::{Finger, Joint, JointPositions, Side};
 
-/// Longest distance in metres from a fingertip to an earlier joint of its finger that stands for it too.
-const SAME_PLACE: f64 = 1e-3;
+/// Longest distance in metres from a fingertip to an earlier joint of its finger at which both count as one position.
+const SAME_POSITION: f64 = 1e-3;
 
 /// Smallest sine of the angle between two directions that determine a palm.
 const MIN_SINE: f64 = 0.05;
@@ -20,7 +20,7 @@ pub struct ArmShape {
     lengths: Vec<f64>,
 }
 
-/// A joint and the one before it.
+/// A joint and its parent.
 #[derive(Clone, Copy, Debug)]
 struct ShapeBone {
     joint: Joint,
@@ -32,15 +32,15 @@ struct ShapeBone {
 impl ArmShape {
     /// Measures the joints that most of the poses know, with medians. `None` if there is no such joint.
     ///
-    /// If two joints of a finger are at one position, as from a source that sees only the knuckle, the joints between them are unknown and
-    /// left out.
+    /// Leaves out the joints between a fingertip and another joint of its finger at the same position: a source that sees only the
+    /// knuckle does not know them.
     pub fn measure(poses: &[JointPositions], side: Side) -> Option<Self> {
         let mut joints = known_joints(poses);
         for &finger in Finger::ALL {
             let tip = Joint::tip(finger);
             let same = |joint: &Joint| {
                 let distance = distance(poses, tip, *joint);
-                *joint != tip && distance.is_some_and(|distance| distance < SAME_PLACE)
+                *joint != tip && distance.is_some_and(|distance| distance < SAME_POSITION)
             };
             let chain = finger.joints();
             if let Some(knuckle) = chain
@@ -247,7 +247,7 @@ mod tests {
             let mut pose = JointPositions::default();
             pose.set(Joint::Shoulder, DVec3::new(0.2, 0.0, 0.0) + noise());
             pose.set(Joint::Elbow, elbow + noise());
-            // One bad pose in ten, and the first of all.
+            // Every tenth pose is bad, and so is the first one.
             let error = if number.is_multiple_of(10) {
                 0.2 * forearm
             } else {

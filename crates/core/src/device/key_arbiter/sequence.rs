@@ -136,7 +136,7 @@ impl KeyArbiter {
     }
 
     /// Executes the step of the running sequence that is due. The sequence runs only in steps of the hand that has started it, and
-    /// ends when that hand is lost. Each press and text follows the one before by `press_gap` or more: a late step delays the rest. A
+    /// ends when that hand is lost. Each press and text follows the previous step by `press_gap` or more: a late step delays the rest. A
     /// step for which there is no room is executed later.
     pub fn advance_sequence(&mut self, hand: &SequenceHand, events: &mut Events) {
         let Some(running) = &mut self.running else {

@@ -235,7 +235,7 @@ impl SessionLoop<'_> {
         self.follow_source(stats)?;
         for (reading, left) in readings.iter().zip((0..readings.len() as u64).rev()) {
             self.stats.source.readings = stats.readings - left;
-            // Readings that have waited may be for another field than the one before.
+            // Readings that have waited may be meant for the previous text field.
             self.follow_text_field()?;
             if self.commands.is_stopped() || self.step(reading, received_at)? == Next::End {
                 self.stats.source.readings = stats.readings;

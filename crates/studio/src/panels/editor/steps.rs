@@ -103,7 +103,7 @@ fn step_edit(part: Part, index: usize, value: Option<String>) -> Edit {
     }
 }
 
-/// Exchanges a step with the one before it.
+/// Exchanges a step with the step before it.
 fn move_earlier(panel: &mut EditorPanel, part: Part, index: usize) {
     let editor = &panel.editor;
     let (before, own) = ((index - 1).to_string(), index.to_string());

@@ -20,5 +20,5 @@ pub use unsupported::{
 /// Switches to a screen of its own without a cursor.
 const ENTER: &[u8] = b"\x1b[?1049h\x1b[?25l\x1b[2J";
 
-/// Returns to the screen of before.
+/// Returns to the screen from before the program.
 const LEAVE: &[u8] = b"\x1b[0m\x1b[?25h\x1b[?1049l";

@@ -37,7 +37,7 @@ static TAKEOVERS: AtomicU32 = AtomicU32::new(0);
 
 struct Covered {
     terminal: File,
-    /// The modes of before.
+    /// The terminal modes to restore.
     modes: Termios,
 }
 

@@ -59,7 +59,7 @@ const MAX_LENGTH: f32 = 1e6;
 pub struct VmcParser {
     /// The bones of the frame so far.
     frame: BoneRotations,
-    /// The latest rotations of the bones of the trunk, each in the frame of the one before.
+    /// The latest rotations of the bones of the trunk, each in the frame of its parent.
     trunk: [Quat; TRUNK.len()],
     /// The latest rotations of the shoulders in the frame of the trunk, by side.
     shoulders: [Quat; Side::COUNT],

@@ -1,4 +1,4 @@
-//! Notifications of pauses, losses and their ends (`org.freedesktop.Notifications`), each in place of the one before.
+//! Notifications of pauses, losses and their ends (`org.freedesktop.Notifications`), each in place of the previous notification.
 
 use std::collections::HashMap;
 use std::sync::Arc;
