@@ -58,42 +58,42 @@ pub use self::first_start::show as show_first_start;
 pub use self::lab::WatchChange;
 pub use self::space::{color32, paint};
 
-/// Time between two looks at a layout that the editor could not open, in seconds.
+/// Time between two attempts to open a layout that the editor could not open, in seconds.
 const REOPEN_PERIOD_S: f64 = 0.5;
 
-/// Makes a file of another format of an SVG document, or returns the reason why it cannot.
+/// Converts an SVG document into a file of another format, or returns the reason why it cannot.
 pub type ConvertSvg = fn(&str) -> Result<Vec<u8>, String>;
 
 /// The formats into which the program converts SVG drawings.
 #[derive(Clone, Copy)]
 pub struct PictureFormats {
-    /// Makes a picture of pixels.
+    /// Converts to a bitmap.
     pub png: ConvertSvg,
-    /// Makes a page to print.
+    /// Converts to a page for printing.
     pub pdf: ConvertSvg,
 }
 
-/// The state of the session, and commands to it, for a panel.
+/// The data that a panel shows, and the requests that it makes.
 pub struct PanelContext<'a> {
-    /// The state to show: of the session, of a recording, of a person of the lab, or of the mouse as a fingertip.
+    /// The state to show: the session, a recording, a person of the lab, or the mouse as a fingertip.
     pub model: &'a StudioModel,
-    /// The state of the session, or of the recording in place of it.
+    /// The state of the session, or of the recording that replaces it.
     pub session: &'a StudioModel,
-    /// A recording is shown in place of a session, which takes commands.
+    /// `true` if a recording replaces the session, so that commands have no effect.
     pub is_replay: bool,
-    /// The session in another program that is shown, if any.
+    /// The session of another program, if the window shows one.
     pub attached: Option<&'a Attached>,
-    /// The source is a simulated hand that can be changed.
+    /// `true` if the source is a simulated hand, whose person and speed can be changed.
     pub has_hand: bool,
-    /// Another setup can be opened in a session of its own.
+    /// `true` if another setup can be opened in a new session.
     pub can_open: bool,
-    /// Makes pictures of other formats than SVG, if the program can.
+    /// Converters from SVG to other formats, if the program has them.
     pub pictures: Option<PictureFormats>,
     /// The changes of sensors.
     pub sensors: &'a mut SensorControl,
     /// Tries edited layouts; `None` while a recording or the session of another program is shown.
     pub trial: Option<&'a LayoutTrial>,
-    /// Commands that are sent after the frame.
+    /// Commands to send after the frame.
     pub sent: &'a mut Vec<Command>,
     /// The recording that is shown, if any.
     pub player: Option<&'a Player>,
@@ -101,9 +101,9 @@ pub struct PanelContext<'a> {
     pub watched: Option<&'a WatchedPerson>,
     /// The fingertip that follows the mouse, if any.
     pub fingertip: Option<&'a mut Aim>,
-    /// The change of who is watched, which follows the frame.
+    /// The change of the watched person of the lab, to be made after the frame.
     pub watch: &'a mut Option<WatchChange>,
-    /// Moves within the recording, which follow the frame.
+    /// Moves within the recording to make after the frame.
     pub moves: &'a mut Vec<Move>,
 }
 
@@ -143,53 +143,53 @@ pub struct PanelState {
     /// Time of the next look at a layout that the editor could not open, in seconds.
     next_open: f64,
     close_question: CloseQuestion,
-    /// Folder with unsaved work of the editor. `None`: it is not kept.
+    /// Folder for unsaved work of the editor; `None` if such work is not kept.
     unsaved_work: Option<PathBuf>,
     camera: Camera,
-    /// The viewpoint that was chosen since the last frame.
+    /// A chosen viewpoint that the 3D view has not applied yet.
     next_viewpoint: Option<Viewpoint>,
-    /// The camera has been pointed at the boards.
+    /// `true` once the camera has been pointed at the boards.
     is_camera_placed: bool,
     scene: SceneOptions,
-    /// The mouse is a fingertip.
+    /// `true` if the mouse is a fingertip.
     pub is_fingertip: bool,
     scope: ScopeState,
     recording: RecordingState,
     lab: LabState,
-    /// The settings that are remembered until the next start.
+    /// The settings to keep for the next start.
     settings: Settings,
     /// The words in the field for the file of a simulated person.
     person_file: String,
-    /// The person of the settings, in whose place the session has another one, until someone else is chosen.
+    /// The person of the settings, while the session uses another person instead, until the user chooses one.
     pub replaced_person: Option<String>,
     /// The words in the field for the file of a layout.
     layout_file: String,
     /// The window of the devices.
     devices: DevicesWindow,
-    /// The change of the setup that was chosen, which the next session has.
+    /// The chosen change of the setup, which starts another session.
     pub next_setup: Option<SetupChange>,
-    /// Theme and contrast that the window has.
+    /// The theme and the contrast that were last applied to the window.
     applied_look: Option<(Theme, bool)>,
     tour: Tour,
     /// The step of the tour that is shown; `None` while the tour is closed.
     shown_step: Option<tour::Shown>,
-    /// The list of keys is shown.
+    /// `true` while the list of keys is shown.
     shows_keys: bool,
     /// The window with the link for a headset.
     headset: Option<HeadsetWindow>,
     /// Title of the window in the last frame.
     title: String,
-    /// The panels in the order of F6, and the index of the last one that it reached.
+    /// The panels in the order in which F6 visits them, and the index of the last panel visited.
     panel_ids: Vec<egui::Id>,
     focused_panel: Option<usize>,
-    /// Reason why something was not done: a command was not sent, or the settings were not kept.
+    /// Reason why the last action failed, such as a command that was not sent or settings that were not kept.
     pub message: Option<String>,
     /// The message as the status line shows it.
     shown_message: Option<status::ShownMessage>,
 }
 
 impl PanelState {
-    /// Takes the panels to where they were at the last start, and opens the tour at the first. From now on unsaved work is kept.
+    /// Restores the panels from the settings of the last start; at the first start, opens the tour. Unsaved work is kept from now on.
     pub fn restore(&mut self, settings: Settings) {
         self.unsaved_work = files::state_folder().map(|folder| folder.join("editor"));
         self.settings = settings;
@@ -199,7 +199,7 @@ impl PanelState {
         }
     }
 
-    /// Returns what is to be remembered until the next start.
+    /// Returns the settings to keep for the next start.
     pub fn settings(&mut self) -> &mut Settings {
         &mut self.settings
     }
@@ -225,12 +225,12 @@ impl PanelState {
         }
     }
 
-    /// Returns `true` if the layout of the editor is shown: there, or in the lab.
+    /// Returns `true` if the editor or the lab is shown, which both use the layout of the editor.
     fn shows_layout(&self) -> bool {
         matches!(self.workspace, Workspace::Layout | Workspace::Lab)
     }
 
-    /// Returns `true` if a window over the panels is open, which Escape closes.
+    /// Returns `true` if a window that Escape closes is open over the panels.
     fn has_window(&self) -> bool {
         let has_headset = self.headset.as_ref().is_some_and(|window| window.is_open);
         self.shows_keys || self.devices.is_open() || self.tour.index().is_some() || has_headset
@@ -241,7 +241,7 @@ impl PanelState {
         matches!(self.editor, Some(Ok(_)))
     }
 
-    /// Opens a layout in the editor, for the hands of a setup, and shows the editor.
+    /// Opens a layout in the editor, fitted to the hands of a setup, and shows the editor.
     pub fn edit(&mut self, name: &str, fit: Fit) -> Result<(), DocumentError> {
         let opened = EditorPanel::open(name, fit, self.unsaved_work.as_deref())?;
         self.editor = Some(Ok(match &self.editor {
@@ -252,7 +252,7 @@ impl PanelState {
         Ok(())
     }
 
-    /// Returns `true` if threads of the lab are at work, whose progress is shown.
+    /// Returns `true` if threads of the lab are running, so that their progress has to be drawn.
     pub fn is_busy(&self) -> bool {
         self.lab.is_busy()
     }
@@ -267,9 +267,10 @@ impl PanelState {
         self.workspace = Workspace::Calibration;
     }
 
-    /// Returns the change of the setup that was chosen, if any. One that may bring another glove is refused while the session has
-    /// changes of the glove that are not saved, and any one while the editor has changes that are neither saved nor kept: they would end
-    /// with the session.
+    /// Takes the chosen change of the setup, if any.
+    ///
+    /// Refuses every change while the editor has changes that are neither saved nor kept, and a change that may replace the glove while
+    /// the glove has unsaved changes: they would be lost with the session.
     pub fn take_setup(&mut self, sensors: &SensorControl) -> Option<SetupChange> {
         let change = self.next_setup.take()?;
         if let Some(Ok(editor)) = &self.editor
@@ -285,13 +286,13 @@ impl PanelState {
         Some(change)
     }
 
-    /// Says why a change of the setup does not apply.
+    /// Shows the reason why a change of the setup is refused.
     pub fn refuse(&mut self, reason: String) {
         self.devices.error = Some(reason.clone());
         self.message = Some(reason);
     }
 
-    /// Keeps the window of the devices of the session before, what it shows, and the options of the 3D view and the scope.
+    /// Copies from the previous session the window of the devices with its content, and the options of the 3D view and the scope.
     pub fn keep_choices(&mut self, before: &mut Self) {
         let error = self.devices.error.take();
         self.devices = mem::take(&mut before.devices).after_change(error);
@@ -299,7 +300,7 @@ impl PanelState {
         self.scope = mem::take(&mut before.scope).without_held();
     }
 
-    /// Lets the window close without a question, as after a signal. Unsaved work stays in the recovery file.
+    /// Allows the window to close without a question, as after a signal. Unsaved work stays in the recovery file.
     pub fn permit_close(&mut self) {
         self.close_question.permit_close();
         if let Some(Ok(editor)) = &mut self.editor {
@@ -308,15 +309,15 @@ impl PanelState {
     }
 }
 
-/// Returns `true` if a number field was changed. A field that is left without a change rounds its number to what it shows, which must
-/// not reach a file.
+/// Returns `true` if the person has changed a number field. A field that loses the focus unchanged rounds its number to the decimals that
+/// it shows; the rounded number must not reach a file.
 fn is_other_number(old: f64, new: f64, decimals: usize) -> bool {
     let shown = |number: f64| format!("{number:.decimals$}");
     old != new && shown(old) != shown(new)
 }
 
-/// Parses a number that is typed into a field, with a point or a comma before the decimals. `None` unless it is finite, and for a
-/// comma before three digits, which may separate thousands.
+/// Parses a number that is typed into a field, with a decimal point or a decimal comma. Returns `None` for a number that is not finite, and
+/// for a comma before three digits, which may separate thousands.
 fn typed_number(words: &str) -> Option<f64> {
     let visible = words.chars().filter(|letter| !letter.is_whitespace());
     let plain: String = visible.collect::<String>().replace('−', "-");
@@ -378,8 +379,8 @@ fn show_title(ui: &egui::Ui, state: &mut PanelState) {
     }
 }
 
-/// Opens a layout in the editor once, or tries again while its file cannot be read, and prepares the editor while it is shown.
-/// The layout is the layout of the session, or a file that is dropped while there is none.
+/// Opens the layout of the session in the editor, or a file that was dropped on the window while there is none. Tries again while the
+/// file cannot be read. Prepares the editor for the frame if it is shown.
 fn open_layout(
     ui: &mut egui::Ui,
     state: &mut PanelState,
@@ -403,7 +404,7 @@ fn open_layout(
         });
         let opened = opened.map_err(|it| it.to_string());
         if let (Some(_), Err(reason)) = (&dropped, &opened) {
-            // In the editor, the next look at the layout of the session replaces it.
+            // The next attempt to open the layout of the session replaces the error in the editor.
             state.message = Some(reason.clone());
         }
         state.editor = Some(opened);
