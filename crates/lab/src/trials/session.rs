@@ -1,5 +1,7 @@
 //! A phrase that is being typed: the pipeline, the strokes so far, and the text that they type.
 
+use std::ops::Range;
+
 use parry3d::math::Vec3;
 
 use super::nearest::shown_point;
@@ -7,32 +9,34 @@ use super::observed::{Observed, Stroke, StrokeKind};
 use super::phrase::Step;
 use super::station::Station;
 use crate::capture::{Reading, Sample};
+use crate::contact::surface::Scene;
 use crate::contact::{Phase, TargetId};
 use crate::device::{EventKind, Events, KeyCode};
 use crate::estimate::JointAngles;
+use crate::kinematics::HandPose;
 use crate::layout::Layout;
 use crate::people::Draw;
-use crate::pipeline::Pipeline;
+use crate::pipeline::{Pipeline, StepOutput};
 use crate::readings::{PlaneCrossing, SharedRecorder};
 use crate::sim::UsTextField;
 use crate::sim::fluent::StrokePlan;
 use crate::time::Timestamp;
 
 /// The longest time between the lowest point of a stroke and a press that it causes, in seconds.
-const CAUSED: f64 = 0.15;
+const MAX_PRESS_DELAY_S: f64 = 0.15;
 
 /// A press that the pipeline has seen.
 struct SeenPress {
     /// The index of the hand.
     hand: usize,
     /// The time in seconds.
-    at: f64,
+    seconds: f64,
     target: TargetId,
-    /// The place on the board if a fingertip touched it, in metres.
-    place: Option<Vec3>,
+    /// The point on the board, in metres; `None` for a press without a touch, such as a bent finger.
+    point: Option<Vec3>,
 }
 
-/// Everything that happens in a phrase.
+/// The state of a phrase that is being typed, and the record of its strokes and presses.
 pub(super) struct Session<'a> {
     pub(super) pipeline: Pipeline,
     events: Events,
@@ -40,25 +44,27 @@ pub(super) struct Session<'a> {
     pub(super) strokes: Vec<Stroke>,
     presses: Vec<SeenPress>,
     pub(super) keystrokes: usize,
-    /// The number of presses of Backspace, and of the characters that they deleted.
+    /// The number of presses of Backspace.
     pub(super) fixes: usize,
+    /// The number of events that shortened the text.
     pub(super) fixed: usize,
     pub(super) span: Option<(Timestamp, Timestamp)>,
     pub(super) draw: Draw,
-    /// The plainest detector of taps; `None` without a decoder.
+    /// A detector of taps for comparison, which counts each crossing of the plane of a board; `None` without a decoder.
     pub(super) plane: Option<PlaneCrossing>,
-    /// The time of the lowest point of the last stroke, and when the last finger is up.
+    /// The time of the lowest point of the last stroke, in seconds.
     pub(super) bottom: f64,
+    /// The time at which the last finger is up, in seconds.
     pub(super) end: f64,
-    /// The latest reading. It is large, and reused.
+    /// The latest reading, reused because it is large.
     reading: Reading,
-    /// Index of the first stroke whose lowest point is not over.
+    /// The index of the first stroke whose lowest point has not passed.
     first_open: usize,
-    /// Keeps what is seen from outside.
+    /// The record for an observer, if there is one.
     watch: Option<&'a mut Watch>,
 }
 
-/// A phrase as it is seen from outside.
+/// The record of a phrase for an observer, such as the person of the lab that Studio shows.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
     /// The readings that entered the pipeline.
@@ -70,7 +76,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    fn see(&mut self, reading: &Reading, text: &str) {
+    fn record(&mut self, reading: &Reading, text: &str) {
         self.readings.push(reading.clone());
         let last = self.texts.last().map_or("", |(_, last)| last);
         if last != text {
@@ -88,7 +94,7 @@ pub(super) fn no_reading() -> Reading {
 }
 
 impl Station {
-    /// Passes what the sensors show at a time through the pipeline.
+    /// Passes the readings of the sensors at a time through the pipeline, and records what it shows and presses.
     pub(super) fn read(
         &mut self,
         session: &mut Session,
@@ -97,11 +103,7 @@ impl Station {
         observed: &mut Observed,
     ) {
         let time = Timestamp((seconds * 1e6).round() as u64);
-        // The lowest points of strokes ascend.
-        let is_over = |stroke: &Stroke| stroke.bottom < seconds - period;
-        while session.strokes.get(session.first_open).is_some_and(is_over) {
-            session.first_open += 1;
-        }
+        session.pass_strokes_before(seconds - period);
         for (index, hand) in self.hands.iter_mut().enumerate() {
             let reading = &mut session.reading;
             if !hand.sample(seconds, period, &mut reading.sample) {
@@ -113,25 +115,10 @@ impl Station {
             session.events.clear();
             if let Ok(output) = session.pipeline.step(reading, &mut session.events) {
                 let scene = &self.layout.scene;
-                let strokes = session.strokes[session.first_open..].iter_mut();
-                let lowest = strokes.filter(|stroke| {
-                    let is_now = (seconds - period..seconds).contains(&stroke.bottom);
-                    is_now && stroke.hand == index
-                });
-                for stroke in lowest {
-                    stroke.shown = shown_point(scene, stroke, &output.pose);
-                }
-                let pressed = output.touches.iter();
-                let pressed = pressed.filter(|touch| touch.phase == Phase::Pressed);
-                for touch in pressed {
-                    let press = output.presses.iter().find(|it| it.target == touch.target);
-                    session.presses.push(SeenPress {
-                        hand: index,
-                        at: touch.time.0 as f64 * 1e-6,
-                        target: touch.target,
-                        place: press.map(|press| press.point),
-                    });
-                }
+                let strokes = &mut session.strokes[session.first_open..];
+                let now = seconds - period..seconds;
+                note_shown_points(strokes, index, &now, scene, &output.pose);
+                session.presses.extend(seen_presses(index, output));
                 if let Some(plane) = &mut session.plane {
                     let recorder = self.recorder.as_ref().map(SharedRecorder::lock);
                     if let Some(recorder) = recorder {
@@ -146,10 +133,40 @@ impl Station {
             }
             session.follow_events();
             if let Some(watch) = &mut session.watch {
-                watch.see(&session.reading, session.field.text());
+                watch.record(&session.reading, session.field.text());
             }
         }
     }
+}
+
+/// Notes the points that the pipeline shows for the strokes of a hand whose lowest points are within `now`, in seconds.
+fn note_shown_points(
+    strokes: &mut [Stroke],
+    hand: usize,
+    now: &Range<f64>,
+    scene: &Scene,
+    pose: &HandPose,
+) {
+    let strokes = strokes.iter_mut();
+    let lowest = strokes.filter(|stroke| stroke.hand == hand && now.contains(&stroke.bottom));
+    for stroke in lowest {
+        stroke.shown = shown_point(scene, stroke, pose);
+    }
+}
+
+/// Returns the presses of a step of the hand with an index.
+fn seen_presses(hand: usize, output: &StepOutput) -> impl Iterator<Item = SeenPress> {
+    let touches = output.touches.iter();
+    let pressed = touches.filter(|touch| touch.phase == Phase::Pressed);
+    pressed.map(move |touch| {
+        let press = output.presses.iter().find(|it| it.target == touch.target);
+        SeenPress {
+            hand,
+            seconds: touch.time.0 as f64 * 1e-6,
+            target: touch.target,
+            point: press.map(|press| press.point),
+        }
+    })
 }
 
 impl<'a> Session<'a> {
@@ -198,7 +215,15 @@ impl<'a> Session<'a> {
         });
     }
 
-    /// Follows the events of the last step: the text, and the keystrokes and fixes that made it.
+    /// Passes over the strokes whose lowest points are before a time in seconds. The lowest points of strokes ascend.
+    fn pass_strokes_before(&mut self, seconds: f64) {
+        let has_passed = |stroke: &Stroke| stroke.bottom < seconds;
+        while self.strokes.get(self.first_open).is_some_and(has_passed) {
+            self.first_open += 1;
+        }
+    }
+
+    /// Applies the events of the last step to the text, and counts keystrokes and deletions.
     fn follow_events(&mut self) {
         for event in &self.events {
             let length = self.field.text().len();
@@ -213,19 +238,20 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Attributes each press to the stroke of its hand that is nearest in time, at the end of the phrase.
+    /// At the end of the phrase, attributes each press to the stroke of the same hand that is nearest in time.
     pub(super) fn attribute(&mut self, layout: &Layout) {
         for press in &self.presses {
-            let distance = |stroke: &Stroke| (stroke.bottom - press.at).abs();
+            let distance = |stroke: &Stroke| (stroke.bottom - press.seconds).abs();
             let own = self.strokes.iter_mut().filter(|it| it.hand == press.hand);
             let nearest = own.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            let Some(stroke) = nearest.filter(|stroke| distance(stroke) <= CAUSED) else {
+            let Some(stroke) = nearest.filter(|stroke| distance(stroke) <= MAX_PRESS_DELAY_S)
+            else {
                 continue;
             };
             let meant = layout.scene.target(stroke.target);
-            let from_center = meant.zip(press.place).map(|((_, meant), place)| {
-                let place = meant.surface_from_target.inverse_transform_point(place);
-                place.truncate()
+            let from_center = meant.zip(press.point).map(|((_, meant), on_board)| {
+                let point = meant.surface_from_target.inverse_transform_point(on_board);
+                point.truncate()
             });
             stroke
                 .presses
@@ -268,9 +294,9 @@ mod tests {
         session.strokes = vec![stroke(0, 1.0), stroke(1, 1.06)];
         session.presses.push(SeenPress {
             hand: 0,
-            at: 1.04,
+            seconds: 1.04,
             target: TargetId(0),
-            place: None,
+            point: None,
         });
         session.attribute(station.layout());
         assert_eq!(session.strokes[0].presses, [(TargetId(0), Vec2::ZERO)]);
