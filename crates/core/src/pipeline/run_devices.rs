@@ -5,11 +5,11 @@ use super::layout_instance::PressRules;
 use super::permissions::EventClass;
 use super::press_filter::FilteredStep;
 use crate::command::{Command, CommandOrigin};
-use crate::device::{EventKind, Events};
+use crate::device::{EventKind, Events, OutputEvent};
 use crate::hand::Side;
 
 impl Pipeline {
-    /// Returns what the sources permit in a step of the hand with this index.
+    /// Returns the presses that the sources permit in a step of the hand with this index.
     fn press_rules(&self, index: usize) -> PressRules {
         let mut pointer_only = [false; Side::COUNT];
         for (other, hand) in self.hands.iter().enumerate() {
@@ -22,7 +22,7 @@ impl Pipeline {
         }
     }
 
-    /// Updates the devices, filters their events and executes their commands.
+    /// Updates the devices for a step of a hand, passes their events through the filters and the output gate, and executes their commands.
     pub(super) fn run_devices(&mut self, index: usize, events: &mut Events) {
         let first = events.len();
         let rules = self.press_rules(index);
@@ -31,7 +31,7 @@ impl Pipeline {
         let dropped = layout.update_devices(output, rules, events);
         let side = output.pose.side;
         if layout.filter().is_some_and(|it| it.ignores_presses(side)) {
-            // A candidate would take the place of the word that is swiped.
+            // A candidate would replace the word that is being swiped.
             let commands = &mut output.commands;
             commands.retain(|issued| !issued.command.is_typing());
         }
@@ -69,19 +69,20 @@ impl Pipeline {
             }
         };
         let within_limit = self.gate.filter(hand_of, first, added, events);
-        let mut pressed = events[first..].iter().rev();
-        if let Some(last) = pressed
-            .find(|event| event.kind.is_press() && !is_modifier(event.kind))
-            .filter(|_| !has_decoder)
-        {
-            // A letter, or a key or button that may have moved the cursor.
-            self.is_inside_word = Some(!types_blank(last.kind));
+        if !has_decoder && let Some(is_inside_word) = ends_inside_word(&events[first..]) {
+            self.is_inside_word = Some(is_inside_word);
         }
         layout.suppress_keys(self.gate.suppressed_keys());
         if self.gate.suppressed().system_keys > system_keys {
             // The keys that follow would act without the suppressed one.
             layout.abandon_sequence();
         }
+        self.stop_hands_beyond_limit(within_limit, events);
+        self.execute_issued(index, events);
+    }
+
+    /// Suspends each hand that pressed faster than its rate limit, or pauses if no other hand is tracked.
+    fn stop_hands_beyond_limit(&mut self, within_limit: [bool; Side::COUNT], events: &mut Events) {
         for (hand, is_within_limit) in within_limit.into_iter().enumerate() {
             if !is_within_limit {
                 // The filters assume that all their events were sent.
@@ -91,7 +92,6 @@ impl Pipeline {
                 }
             }
         }
-        self.execute_issued(index, events);
     }
 
     /// Executes the commands that the devices issued for a hand.
@@ -123,6 +123,15 @@ impl Pipeline {
             self.resume(CommandOrigin::Layout);
         }
     }
+}
+
+/// Returns `true` if the text before the cursor may end inside a word after these events, and `false` if it ends with a blank. `None` if
+/// they press nothing that types or may move the cursor.
+fn ends_inside_word(events: &[OutputEvent]) -> Option<bool> {
+    let mut latest_first = events.iter().rev();
+    let last = latest_first.find(|event| event.kind.is_press() && !is_modifier(event.kind))?;
+    // A letter, or a key or button that may have moved the cursor.
+    Some(!types_blank(last.kind))
 }
 
 /// Returns `true` for the press of a modifier, which types nothing and leaves the cursor where it is.
