@@ -264,7 +264,10 @@ fn readings_that_have_waited_for_longer_than_the_stall_timeout_are_dropped() {
         presses += step.events.iter().filter(is_down).count();
         if presses == 1 && !block.has_begun.load(Ordering::Relaxed) {
             block.has_begun.store(true, Ordering::Relaxed);
+            let start = Instant::now();
             while !block.are_readings_waiting.load(Ordering::Relaxed) {
+                let is_in_time = start.elapsed() < Duration::from_secs(60);
+                assert!(is_in_time, "no reading waits");
                 thread::sleep(Duration::from_millis(1));
             }
             thread::sleep(Duration::from_millis(2_100));

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::mpsc;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::support::process::signal;
 use crate::support::x11::wait_for;
@@ -201,8 +201,9 @@ fn wait_until_blocked(process: &str) {
         // Attempts that write nothing are counted elsewhere.
         lines.find(|line| line.starts_with("wchar:")).unwrap()
     };
+    let start = Instant::now();
     let mut before = String::new();
-    loop {
+    while start.elapsed() < Duration::from_secs(60) {
         let now = written();
         if now == before {
             return;
@@ -210,6 +211,7 @@ fn wait_until_blocked(process: &str) {
         before = now;
         thread::sleep(Duration::from_secs(1));
     }
+    panic!("the view is still drawn: {before}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The outputs `osc` and `midi`, as programs that others wrote receive them.
+//! The outputs `osc` and `midi`, received by python-osc, mido and aseqdump.
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read};
@@ -6,12 +6,11 @@ use std::net::UdpSocket;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::thread;
-use std::time::Duration;
 
 use crate::support::binary::ademan;
 use crate::support::process::{Process, signal};
 use crate::support::python::python;
+use crate::support::x11::wait_for;
 use ademan::capture::protocol::osc;
 
 /// Prints the messages until `/end`.
@@ -108,7 +107,7 @@ fn received_osc(layout: &str) -> Option<(Vec<String>, String)> {
     let end = UdpSocket::bind("127.0.0.1:0").expect("a socket");
     let message = osc::encode("/end", None, &[], &[0.0]);
     end.send_to(&message, format!("127.0.0.1:{port}"))
-        .expect("it is sent");
+        .expect("the message is sent");
     Some((lines.collect(), transcript))
 }
 
@@ -194,7 +193,7 @@ impl Pipe {
         }
     }
 
-    /// Reads what is there.
+    /// Reads the bytes that have arrived.
     fn read(&mut self) {
         let mut buffer = [0; 4096];
         while let Ok(length @ 1..) = self.reader.read(&mut buffer) {
@@ -202,7 +201,7 @@ impl Pipe {
         }
     }
 
-    /// Starts a hand that holds C4, and waits until the note sounds and the output has shown that it lives.
+    /// Starts a hand that holds C4, and waits until the output has sent the note and active sensing after it.
     fn hold_a_note(&mut self) -> Process {
         let output = format!("midi:{}", self.folder.path().join("midi").display());
         let script = "press C4; wait 30000; lift";
@@ -213,23 +212,21 @@ impl Pipe {
             .stdout(Stdio::null())
             .stderr(Stdio::null());
         let mut demo = Process::start(&mut demo).expect("the program starts");
-        while self.bytes.len() < START.len() || !self.bytes.ends_with(&[ACTIVE_SENSING]) {
-            assert!(
-                demo.0.try_wait().expect("a child").is_none(),
-                "it ended: {:x?}",
-                self.bytes
-            );
-            thread::sleep(Duration::from_millis(10));
+        let sounds = wait_for(|| {
+            let status = demo.0.try_wait().expect("a child process");
+            assert_eq!(status, None, "the demo has ended: {:x?}", self.bytes);
             self.read();
-        }
-        assert_eq!(self.bytes[..START.len()], START);
+            self.bytes.len() >= START.len() && self.bytes.ends_with(&[ACTIVE_SENSING])
+        });
+        assert!(sounds, "no note with active sensing: {:x?}", self.bytes);
+        assert_eq!(self.bytes[..START.len()], START, "{:x?}", self.bytes);
         demo
     }
 }
 
 const ACTIVE_SENSING: u8 = 0xfe;
 
-/// The first bytes: the output shows that it lives before the note C4 begins.
+/// The first bytes: active sensing, then the start of the note C4.
 const START: [u8; 3] = [ACTIVE_SENSING, 0x90, 60];
 
 fn make_pipe(folder: &Path) {
@@ -356,5 +353,5 @@ fn aseqdump_receives_the_notes_of_a_virtual_port() {
         lines.any(|line| line.contains("Note on"))
     };
     // The port exists a moment after the start.
-    assert!(crate::support::x11::wait_for(has_note), "no note arrives");
+    assert!(wait_for(has_note), "no note arrives");
 }

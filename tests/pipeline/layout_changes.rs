@@ -11,6 +11,9 @@ use ademan::layout::Layout;
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::{LayoutChange, SimulatedTypist, UsTextField};
 
+/// The longest wait for another thread: 60 s of pauses of 0.1 ms.
+const MAX_PAUSES: u32 = 600_000;
+
 /// Changes of the layout: each moves the board by 15 to 42 mm.
 const CHANGES: [(&str, &str); 4] = [
     ("bearing_deg: 35", "bearing_deg: 43"),
@@ -79,7 +82,10 @@ impl<'a> Rig<'a> {
         let feed = self.setup.layout_feed.clone();
         let announcing = feed.clone();
         let announcement = thread::spawn(move || announcing.begin_change());
+        let mut pauses = 0;
         while !feed.is_changing() {
+            pauses += 1;
+            assert!(pauses < MAX_PAUSES, "the change is not announced");
             thread::sleep(Duration::from_micros(100));
         }
         while !announcement.is_finished() && self.play() {}

@@ -6,7 +6,7 @@ use std::os::fd::{AsRawFd, OwnedFd};
 use std::os::unix::fs::OpenOptionsExt;
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rustix::fs::OFlags;
 
@@ -60,14 +60,17 @@ impl OutputPipe {
     pub fn block(&self) {
         self.shared.state.lock().unwrap().is_blocked = true;
         // The thread may be in a read, which ends with the first filler.
+        let start = Instant::now();
         while !self.is_parked() {
+            let is_in_time = start.elapsed() < Duration::from_secs(60);
+            assert!(is_in_time, "the thread still reads");
             self.fill();
             thread::sleep(Duration::from_millis(1));
         }
         self.fill();
     }
 
-    /// Reads on. The filler is not among the lines.
+    /// Continues to read. The filler is not among the lines.
     pub fn unblock(&self) {
         self.shared.state.lock().unwrap().is_blocked = false;
         self.shared.changed.notify_all();

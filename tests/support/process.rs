@@ -9,13 +9,13 @@ use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The time in which each child process of a test ends, even on a busy machine.
+/// The longest time that a child process of a test runs, even on a busy machine.
 const LIFETIME: Duration = Duration::from_secs(600);
 
-/// The time in which a child process that was told to end, or has nothing more to do, ends even on a busy machine.
+/// The longest time until a child process ends after it was told to, or has nothing more to do, even on a busy machine.
 const EXIT_TIMEOUT: Duration = Duration::from_secs(60);
 
-/// Variables of runs that may take longer: a person sets the first two, and `tests/outputs/vm`, which has a limit of its own, the others.
+/// Variables of runs that may take longer: a person sets the first two; `tests/outputs/vm`, which has its own limit, sets the others.
 const NO_LIMIT: [&str; 4] = [
     "ADEMAN_CHAOS_SECONDS",
     "ADEMAN_MINUTES",
@@ -54,16 +54,16 @@ impl Drop for Process {
     }
 }
 
-/// From now on, kills each child process of this test program that takes longer than any test needs (Linux). What waits for it or
-/// reads from it fails then, and does not wait without an end.
+/// From now on, kills each child process of this test program that runs longer than any test needs (Linux), so that a test that waits for
+/// it or reads from it fails instead of hanging.
 pub fn limit_lifetimes() {
     static LIMIT: Once = Once::new();
     if NO_LIMIT.iter().all(|name| env::var_os(name).is_none()) {
-        LIMIT.call_once(|| _ = thread::spawn(kill_what_does_not_end));
+        LIMIT.call_once(|| _ = thread::spawn(kill_overdue_children));
     }
 }
 
-fn kill_what_does_not_end() {
+fn kill_overdue_children() {
     let mut first_seen: BTreeMap<u32, Instant> = BTreeMap::new();
     loop {
         thread::sleep(Duration::from_secs(5));
@@ -78,10 +78,10 @@ fn kill_what_does_not_end() {
     }
 }
 
-/// Kills a process and all that it has started, which may have inherited its pipes.
+/// Kills a process and its descendants, which may have inherited its pipes.
 fn kill_with_children(process: u32) {
     let line = fs::read(format!("/proc/{process}/cmdline")).unwrap_or_default();
-    // A process that has ended, but that no test has waited for, has none.
+    // A process that has ended and is not waited for yet has no command line.
     if line.is_empty() {
         return;
     }
@@ -92,7 +92,7 @@ fn kill_with_children(process: u32) {
         next += 1;
     }
     let line = String::from_utf8_lossy(&line).replace('\0', " ");
-    // What a macro prints belongs to the test that has started the first process.
+    // The test harness captures `eprintln!` as output of the test that has started this thread.
     let _ = writeln!(
         io::stderr(),
         "killed, because it did not end in {LIFETIME:?}: {line}"
@@ -106,7 +106,7 @@ fn kill_with_children(process: u32) {
     }
 }
 
-/// Sends a signal to a process. It has the name that `kill -s` uses: `STOP`.
+/// Sends a signal to a process, by the name that `kill -s` uses, such as `STOP`.
 pub fn signal(signal: &str, process: u32) {
     let mut kill = Command::new("kill");
     kill.args(["-s", signal, &process.to_string()]);
@@ -115,8 +115,8 @@ pub fn signal(signal: &str, process: u32) {
     assert!(status.success(), "no process {process}");
 }
 
-/// Returns what this file in `/proc` says of each thread of a process (Linux). Fails if there is no such process.
-pub fn of_threads(process: u32, file: &str) -> io::Result<Vec<String>> {
+/// Returns the content of a file in `/proc` for each thread of a process (Linux). Fails if there is no such process.
+pub fn read_of_threads(process: u32, file: &str) -> io::Result<Vec<String>> {
     let threads = fs::read_dir(format!("/proc/{process}/task"))?.flatten();
     let read = |thread: fs::DirEntry| fs::read_to_string(thread.path().join(file));
     // A thread may end while the list is read.
@@ -125,7 +125,9 @@ pub fn of_threads(process: u32, file: &str) -> io::Result<Vec<String>> {
 
 /// Returns the ids of the child processes of a process (Linux).
 pub fn children(process: u32) -> Vec<u32> {
-    let lists = of_threads(process, "children").unwrap_or_default().concat();
+    let lists = read_of_threads(process, "children")
+        .unwrap_or_default()
+        .concat();
     let ids = lists.split_whitespace();
     ids.filter_map(|id| id.parse().ok()).collect()
 }

@@ -19,7 +19,7 @@ use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt, ImageFormat};
 
 use crate::support::binary::ademan;
-use crate::support::process::of_threads;
+use crate::support::process::read_of_threads;
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_for};
 use crate::x11::repeat;
@@ -147,7 +147,7 @@ fn linux_version() -> [u32; 2] {
 /// Returns the time slice in nanoseconds of the thread whose report starts with this name, id and number of threads. `None`
 /// if the kernel does not report it.
 fn time_slice(process: u32, thread: &str) -> Option<u64> {
-    let threads = of_threads(process, "sched").ok()?;
+    let threads = read_of_threads(process, "sched").ok()?;
     let report = threads.iter().find(|report| report.starts_with(thread))?;
     let line = report.lines().find(|line| line.starts_with("se.slice"))?;
     let (_, slice) = line.split_once(':')?;
@@ -156,7 +156,7 @@ fn time_slice(process: u32, thread: &str) -> Option<u64> {
 
 /// Returns the number of threads with which Mesa fills the pictures of a process.
 fn drawing_threads(process: u32) -> usize {
-    let names = of_threads(process, "comm").expect("it is running");
+    let names = read_of_threads(process, "comm").expect("Studio is running");
     let is_drawing = |name: &&String| name.starts_with("llvmpipe-");
     names.iter().filter(is_drawing).count()
 }

@@ -4,11 +4,11 @@ use serde_json::Value;
 
 use super::ends::Typing;
 use crate::support::binary::ademan;
-use crate::support::process::of_threads;
+use crate::support::process::read_of_threads;
 
 /// Returns the names and nice values of the threads of a process.
 fn threads(process: u32) -> Vec<(String, i32)> {
-    let threads = of_threads(process, "stat").expect("it runs");
+    let threads = read_of_threads(process, "stat").expect("the program runs");
     let thread = |stat: &String| {
         // The name is in parentheses; nice is the 19th field, the 17th after it.
         let (start, rest) = stat.rsplit_once(") ")?;
