@@ -15,7 +15,7 @@ use crate::support::press::{Posture, Press, glove_format, reading};
 /// Longest wait for the release after the loss.
 const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// A glove that is lost while its wearer holds a key, and goes on with the next packet. The finger stays on the key until the key is
+/// A glove that is lost while its wearer holds a key, and continues with the next packet. The finger stays on the key until the key is
 /// released, and for a second after that.
 struct LostGlove {
     before: std::vec::IntoIter<Posture>,

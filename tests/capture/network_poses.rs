@@ -74,7 +74,7 @@ fn datagrams_of_another_sender_are_dropped_until_the_first_is_silent() {
         [0.01, 0.02]
     );
     assert_eq!(source.stats().invalid.get(InvalidPacket::UnknownSender), 1);
-    // The second one goes on alone.
+    // The second one continues alone.
     let start = Instant::now();
     loop {
         second.send_to(&pose(92.0), address).unwrap();

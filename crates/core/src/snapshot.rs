@@ -42,7 +42,7 @@ pub struct StepView<'a> {
     pub commands: &'a [TimedCommand],
     /// Command from outside the layout that the pipeline executed in this step.
     pub executed: Option<&'a TimedCommand>,
-    /// Hands that are not tracked while the session goes on, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
+    /// Hands that are not tracked while the session continues, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
     pub lost_hands: [bool; Side::COUNT],
     /// The text decoder of the active layout; `None` without one.
     pub text: Option<&'a TextState>,
@@ -106,7 +106,7 @@ pub struct Snapshot {
     pub commands: TimedCommands,
     /// Command from outside the layout that the pipeline executed in this step.
     pub executed: Option<TimedCommand>,
-    /// Hands that are not tracked while the session goes on, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
+    /// Hands that are not tracked while the session continues, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
     pub lost_hands: [bool; Side::COUNT],
     /// The text decoder of the active layout; `None` without one.
     pub text: Option<TextState>,

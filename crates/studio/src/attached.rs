@@ -31,7 +31,7 @@ const QUEUED_REASONS: usize = 8;
 /// Time in which the first view arrives. The session sends it at once.
 const FIRST_VIEW_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// A session of another program. It goes on when this is dropped.
+/// A session of another program. It continues when this is dropped.
 pub struct Attached {
     path: PathBuf,
     viewer: Viewer,

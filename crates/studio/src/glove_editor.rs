@@ -45,7 +45,7 @@ pub struct GloveEditor {
     saved: Calibration,
     undone: Vec<Calibration>,
     done: Vec<Calibration>,
-    /// The edit that goes on, such as a drag.
+    /// The edit in progress, such as a drag.
     open: Option<EditKind>,
 }
 
@@ -194,7 +194,7 @@ impl GloveEditor {
         self.close_edit();
     }
 
-    /// Ends the edit that goes on: the next one is undone on its own.
+    /// Ends the edit in progress, so that the next edit is undone separately.
     pub fn close_edit(&mut self) {
         self.open = None;
     }

@@ -18,7 +18,7 @@ static PANICKED: AtomicBool = AtomicBool::new(false);
 static BACKTRACE: OnceLock<Backtrace> = OnceLock::new();
 
 thread_local! {
-    /// The session goes on after a panic of this thread.
+    /// The session continues after a panic of this thread.
     static IS_CONTAINED: Cell<bool> = const { Cell::new(false) };
 }
 

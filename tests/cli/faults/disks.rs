@@ -138,7 +138,7 @@ fn a_disk_that_fills_is_reported_at_once_and_in_the_state_while_the_typing_goes_
     let (recording, socket) = (disk.join("run.mcap"), folder.path().join("c.sock"));
     let (recording, socket) = (recording.to_str(), socket.to_str());
     let (recording, socket) = (recording.expect("a path"), socket.expect("a path"));
-    // Typing goes on until the test ends it.
+    // Typing continues until the test ends it.
     let text = format!("typist:{}", "hola y adios ".repeat(200));
     let arguments = [
         "run",
@@ -181,7 +181,7 @@ fn a_disk_that_fills_is_reported_at_once_and_in_the_state_while_the_typing_goes_
         messages.push(line);
     };
     assert!(notice.contains("No space left"), "{notice}");
-    assert!(notice.contains("the session goes on"), "{notice}");
+    assert!(notice.contains("the session continues"), "{notice}");
     out.try_iter().for_each(drop);
     for _ in 0..4 {
         out.recv_timeout(TIMEOUT).expect("typing goes on");
@@ -283,7 +283,7 @@ fn a_recording_that_cannot_be_written_ends_a_command_that_only_records() {
     let last = messages.last().expect("a reason");
     assert!(last.starts_with("error: "), "{messages:#?}");
     assert!(last.contains("File too large"), "{messages:#?}");
-    assert!(!last.contains("goes on"), "{messages:#?}");
+    assert!(!last.contains("continues"), "{messages:#?}");
 }
 
 #[test]

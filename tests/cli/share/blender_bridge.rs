@@ -239,7 +239,7 @@ fn bones_and_properties_follow_a_shared_hand_and_are_baked() {
     assert!(blender.0.wait().expect("a child process").success());
 }
 
-/// Checks that the add-on goes on after a restart of the program, an undo, an edit of the skeleton, and a table that fails.
+/// Checks that the add-on continues after a restart of the program, an undo, an edit of the skeleton, and a table that fails.
 fn check_changes(results: &mut Results) {
     let recorded = results.next("recorded_after");
     assert!(recorded["recorded_after"].as_u64() > Some(10), "{recorded}");

@@ -400,7 +400,7 @@ fn shortcuts_of_the_browser_change_neither_the_plan_nor_the_view() {
     };
     open(&mut browser, &address);
     let before = browser.evaluate(LOOK);
-    // Each returns true if the browser goes on with the key.
+    // Each returns true if the browser continues with the key.
     let press = |page: &mut Browser, at: &str, keys: &str| {
         page.evaluate(&format!(
             "document.querySelector('{at}').dispatchEvent(new KeyboardEvent('keydown', {{ bubbles: true, cancelable: true, {keys} }}))"

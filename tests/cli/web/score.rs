@@ -71,7 +71,7 @@ fn people_score_a_layout_beside_the_page_and_the_plan_shows_missed_keys() {
         first["firstScore"],
         json!({"button": "Stop", "is_running": true})
     );
-    // The page goes on: the simulated hand types.
+    // The page continues: the simulated hand types.
     browser.evaluate("document.getElementById('type').click()");
     browser.wait_for(
         "({typed: document.getElementById('typed').value})",

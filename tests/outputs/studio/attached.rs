@@ -1,4 +1,4 @@
-//! The window on the session of `ademan run`, which goes on whatever the window does.
+//! The window on the session of `ademan run`, which continues whatever the window does.
 
 use std::fs;
 use std::process::{Command, Output};

@@ -88,7 +88,7 @@ fn a_transcript_on_a_full_disk_is_reported_and_the_desktop_continues() {
     let is_reported = || {
         let messages = messages.lock().unwrap();
         messages.iter().any(|line| {
-            line.contains("No space left") && line.contains("the session goes on without it")
+            line.contains("No space left") && line.contains("the session continues without it")
         })
     };
     // The first press fills the disk, the others come after the report.

@@ -81,7 +81,7 @@ impl Typing {
         wait_for_release(&self.server, start, message);
         self.program.wait_for_line(message, 1);
         self.program.wait_for_line("stalled", 1);
-        // Noise goes on.
+        // Noise continues.
         thread::sleep(Duration::from_millis(500));
         assert!(
             self.program.is_running(),

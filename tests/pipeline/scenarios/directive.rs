@@ -2,10 +2,10 @@
 //!
 //! | order | what happens |
 //! |---|---|
-//! | `play MS` | the hand goes on for this time with whatever comes next |
-//! | `hold MS` | the hand keeps still, and its glove goes on sending |
+//! | `play MS` | the hand continues for this time with whatever comes next |
+//! | `hold MS` | the hand keeps still, and its glove continues sending |
 //! | `silent MS` | the hand keeps still, and its glove sends nothing |
-//! | `drop MS` | the hand goes on, and its packets are lost |
+//! | `drop MS` | the hand continues, and its packets are lost |
 //! | `unplug MS` | the cable is pulled, and plugged in again after this time; the hand keeps still |
 //! | `noise BYTES` | random bytes arrive |
 //! | `text WORDS` | a line of text arrives, as of a device that restarts |

@@ -1,4 +1,4 @@
-//! A simulated hand that stops at a fixed reading, so that every run shows the same picture, and goes on when a test says so.
+//! A simulated hand that stops at a fixed reading, so that every run shows the same picture, and continues when a test says so.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -35,7 +35,7 @@ impl Debouncer {
         }
     }
 
-    /// Records the end of a press, also of one that had no effect: the key goes on to bounce, however often noise presses it. A finger
+    /// Records the end of a press, also of one that had no effect: the key continues to bounce, however often noise presses it. A finger
     /// that has only touched the key has pressed nothing.
     pub(super) fn end_press(&mut self, index: usize, touch: &Touch) {
         let Some(key) = self.keys.get_mut(index) else {

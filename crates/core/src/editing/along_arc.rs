@@ -87,7 +87,7 @@ fn middle(draft: &Draft, part: Part) -> Result<([f64; 2], f64), EditError> {
 impl Circle {
     /// Returns the circle through the middle of controls, with its center at their near side, or at the far side of a negative radius.
     ///
-    /// The near side of a control that is turned is turned with it: the last copy goes on along the same circle.
+    /// The near side of a control that is turned is turned with it: the last copy continues along the same circle.
     fn new(places: &[([f64; 2], f64)], step_deg: f64, radius_mm: f64) -> Self {
         let points = places.iter().map(|(at, _)| Extent {
             center: *at,

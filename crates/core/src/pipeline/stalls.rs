@@ -8,7 +8,7 @@ use crate::estimate::Implausible;
 use crate::hand::{Dof, HandPart, Side};
 use crate::time::Timestamp;
 
-/// The reason why a hand touches nothing although the session goes on.
+/// The reason why a hand touches nothing although the session continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HandLoss {
     /// The source of the hand sends nothing.

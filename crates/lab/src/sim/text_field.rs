@@ -77,7 +77,7 @@ impl UsTextField {
         }
     }
 
-    /// Empties the text. Keys that are down stay down: a Shift that is held goes on to make capitals.
+    /// Empties the text. Keys that are down stay down: a Shift that is held continues to make capitals.
     pub fn clear(&mut self) {
         self.text.clear();
     }

@@ -344,7 +344,7 @@ impl SimulatedTypist {
         follower.is_some_and(Follower::is_lifted)
     }
 
-    /// Lifts before a change of the layout, and goes on after it.
+    /// Lifts before a change of the layout, and continues after it.
     fn follow(&mut self) {
         let Some(follower) = &mut self.follower else {
             return;

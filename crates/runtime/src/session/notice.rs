@@ -223,7 +223,7 @@ impl fmt::Display for Notice {
                 f.write_str("the watchdog exited or hangs: everything is released")
             }
             Self::DesktopFailed(reason) => f.write_str(&escape_line(reason)),
-            Self::FileIncomplete(reason) => write!(f, "{reason}; the session goes on without it"),
+            Self::FileIncomplete(reason) => write!(f, "{reason}; the session continues without it"),
             Self::Layout(report) => report.fmt(f),
             Self::SimulatedHand(message) => f.write_str(&escape_line(message)),
             Self::HeldBack(held_back) => held_back.fmt(f),

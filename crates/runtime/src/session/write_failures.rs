@@ -1,4 +1,4 @@
-//! Files that became incomplete while the session goes on.
+//! Files that became incomplete while the session continues.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

@@ -149,7 +149,7 @@ impl<T: Send + 'static> WriterThread<T> {
     }
 
     /// Waits until everything is on the disk. A disk that accepts nothing for 2 s is given up. One that has accepted everything is not
-    /// waited for after 2 s: the system goes on to write.
+    /// waited for after 2 s: the system continues to write.
     pub fn finish(self) -> Result<(), RecordError> {
         self.is_finishing.store(true, Ordering::Relaxed);
         let Self {

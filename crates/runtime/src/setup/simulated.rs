@@ -170,7 +170,7 @@ impl LoadedSetup {
     }
 
     /// Gives a [live hand](Self::live_hand) of this setup its simulated person, with sensors of this noise: a standard
-    /// deviation in counts of a glove, or in millimetres of a camera. The hand goes on with its task.
+    /// deviation in counts of a glove, or in millimetres of a camera. The hand continues with its task.
     pub fn change_live_hand(
         &self,
         hand: &mut SimulatedTypist,

@@ -5,7 +5,7 @@
 //!                            └─ snapshots ─▶ window of Studio
 //! ```
 //!
-//! A window does not play the clicks: a desktop may stop drawing a window that is hidden, and typing into other programs goes on
+//! A window does not play the clicks: a desktop may stop drawing a window that is hidden, and typing into other programs continues
 //! then. No channel waits: a click that the server cannot play in time is dropped, as a late click is worse than none.
 
 pub mod click;

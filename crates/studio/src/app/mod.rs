@@ -48,7 +48,7 @@ pub struct StudioApp {
     player: Option<Player>,
     /// The session in another program that is shown in place of the session.
     attached: Option<Attached>,
-    /// The person of the lab who is shown while the session goes on.
+    /// The person of the lab who is shown while the session continues.
     watching: Option<Watching>,
     /// The session whose hand follows the mouse.
     fingertip: Option<Fingertip>,

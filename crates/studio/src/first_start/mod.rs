@@ -153,7 +153,7 @@ impl FirstStart {
         self.error = None;
     }
 
-    /// Discards the answer of the present page, so that its proposal applies, and goes on.
+    /// Discards the answer of the present page, so that its proposal applies, and continues.
     pub fn skip(&mut self) {
         match self.page {
             Page::Source => self.source = None,

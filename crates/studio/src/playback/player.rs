@@ -57,7 +57,7 @@ pub struct Player {
     wanted: usize,
     is_playing: bool,
     speed: f64,
-    /// Time of the recording at which playing is, in microseconds; `None` until it goes on from the position.
+    /// Time of the recording that is playing, in microseconds; `None` until playing continues from the position.
     clock: Option<f64>,
 }
 

@@ -1,5 +1,5 @@
 //! The simulated hand of a session without a source: it does a task again and again, and its person, speed and noise change while it
-//! goes on.
+//! continues.
 //!
 //! ```text
 //!  settings ─▶ HandControl ─ HandChange ──▶ SimulatedHand ─ readings ──▶ session

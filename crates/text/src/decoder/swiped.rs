@@ -89,7 +89,7 @@ impl<'m> Decoder<'m> {
         self.starts_sentence
     }
 
-    /// Drops all taps, without learning, and goes on after a known text.
+    /// Drops all taps, without learning, and continues after a known text.
     pub(crate) fn start_after(&mut self, before: Before) {
         self.row = before.row;
         self.starts_sentence = before.starts_sentence;

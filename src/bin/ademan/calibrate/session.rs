@@ -173,7 +173,7 @@ impl<'a> Session<'a> {
                 let (number, count) = (self.procedure.index() + 1, self.procedure.poses().len());
                 let instruction = pose.instruction();
                 let mut out = io::stdout();
-                // Without a reader the session goes on: the glove file is still written, and the error of the report is shown.
+                // Without a reader the session continues: the glove file is still written, and the error of the report is shown.
                 let _ = writeln!(out, "pose {number} of {count}: {pose}: {instruction}");
             }
             if self.advance()?.is_some() {

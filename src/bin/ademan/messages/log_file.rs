@@ -61,7 +61,7 @@ impl Write for LogFile {
             let is_failure = error.kind() != ErrorKind::Interrupted;
             if is_failure && !mem::replace(&mut self.has_failed, true) {
                 let path = escape_path(&self.path);
-                complain!("the log {path} is incomplete: {error}; the program goes on");
+                complain!("the log {path} is incomplete: {error}; the program continues");
             }
         })
     }

@@ -47,13 +47,13 @@ pub fn find(args: &Args) -> Result<Option<Found>, Failure> {
     }
 }
 
-/// Shows a session until the window is closed. The session goes on.
+/// Shows a session until the window is closed. The session continues.
 pub fn open(found: Found) -> Result<(), Failure> {
     let Found { client, path } = found;
     session::prepare()?;
     texts::set_language(language());
     say!(
-        "this window shows the session at {}, which goes on when the window is closed; for a session of its own: ademan studio --attach {OFF}",
+        "this window shows the session at {}, which continues when the window is closed; for a session of its own: ademan studio --attach {OFF}",
         escape_path(&path)
     );
     let attached = Attached::new(client, &path).map_err(Failure::no_thread)?;

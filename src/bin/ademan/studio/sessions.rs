@@ -90,7 +90,7 @@ impl Sessions {
         Ok(app)
     }
 
-    /// Starts a session with a change of the setup. The present session goes on if a check finds that the change cannot be used;
+    /// Starts a session with a change of the setup. The present session continues if a check finds that the change cannot be used;
     /// otherwise it ends, with everything released, before the other one starts. If that fails, a session on the setup before starts,
     /// which shows the reason.
     fn change(&self, change: &SetupChange, is_paused: bool) -> Result<Option<StudioApp>, Failure> {
@@ -134,8 +134,8 @@ impl Sessions {
         }
     }
 
-    /// Stops the pending session. One on the setup before starts after its end: both may read one serial port, which is for one program.
-    /// A session that is on the setup before already goes on.
+    /// Stops the pending session. A session on the previous setup starts after it has ended, because only one of them can open a serial port.
+    /// A session that has returned to the previous setup already continues.
     fn cancel(&self) -> Result<Option<StudioApp>, Failure> {
         let Some(mut pending) = self.pending.take() else {
             return Err(Failure::job(CANCELLED));

@@ -171,7 +171,7 @@ pub fn suspend() -> bool {
     was_covered
 }
 
-/// Covers the terminal again, unless the program goes on in the background.
+/// Covers the terminal again, unless the program continues in the background.
 #[cfg(unix)]
 pub fn resume() {
     if terminal::is_usable() && terminal::take_over().is_ok() {
