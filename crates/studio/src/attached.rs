@@ -74,7 +74,7 @@ impl Attached {
         Ok(model)
     }
 
-    /// Brings the model to the newest view. Does not wait. Returns `false` if there is none.
+    /// Updates the model to the newest view. Does not wait. Returns `false` if there is none.
     pub fn update(&self, model: &mut StudioModel) -> bool {
         match self.viewer.views().try_recv() {
             Ok(view) => {

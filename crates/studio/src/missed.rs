@@ -6,7 +6,7 @@ use super::model::{Contact, StudioModel};
 use ademan_core::snapshot::Snapshot;
 
 impl StudioModel {
-    /// Brings contacts and values to the latest view if steps before a snapshot were missed: the end of a contact among them would
+    /// Updates contacts and values to the latest view if steps before a snapshot were missed: the end of a contact among them would
     /// not be seen, and a key would stay lit that nothing presses.
     pub(super) fn catch_up(&mut self, snapshot: &Snapshot) {
         let steps = snapshot.stats.accepted.saturating_sub(self.stats.accepted);

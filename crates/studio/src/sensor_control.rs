@@ -96,7 +96,7 @@ impl SensorControl {
             .with_other_hand(other_side(self.setup()))
     }
 
-    /// Goes on with the glove of the session before, if this session was started with the same file, or with what that session has saved
+    /// Keeps the glove of the previous session, if this session was started with the same file, or with what that session has saved
     /// to it: what is not saved stays.
     pub fn keep_glove(&mut self, before: &mut Self) {
         let (Some(own), Some(edited)) = (&self.editor, &before.editor) else {
@@ -115,7 +115,7 @@ impl SensorControl {
         }
     }
 
-    /// Goes on with the filter of the session before, unless the setup of this one has another filter.
+    /// Keeps the filter of the previous session, unless the setup of this session has another filter.
     pub fn keep_smoothing(&mut self, before: &Self) {
         if self.link.smoothing() == before.link.smoothing() {
             self.set_smoothing(before.smoothing);

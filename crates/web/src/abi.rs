@@ -176,7 +176,7 @@ pub extern "C" fn page_set_layout(length: usize) -> usize {
     })
 }
 
-/// Lets a simulated person type a text. Returns a JSON list of faults.
+/// Makes a simulated person type a text. Returns a JSON list of faults.
 #[unsafe(no_mangle)]
 pub extern "C" fn page_type(length: usize) -> usize {
     with_session(length, |session, text| {
@@ -184,7 +184,7 @@ pub extern "C" fn page_type(length: usize) -> usize {
     })
 }
 
-/// Lets a simulated person play a script. Returns a JSON list of faults.
+/// Makes a simulated person play a script. Returns a JSON list of faults.
 #[unsafe(no_mangle)]
 pub extern "C" fn page_play(length: usize) -> usize {
     with_session(length, |session, text| {

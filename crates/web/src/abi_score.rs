@@ -66,7 +66,7 @@ pub extern "C" fn score_begin(people: u32, length: usize) -> usize {
     })
 }
 
-/// Lets the next person type. Returns the score of the people so far, `{"error":"…"}`, or `null` after the last one.
+/// Simulates the next person. Returns the score of the people so far, `{"error":"…"}`, or `null` after the last one.
 #[unsafe(no_mangle)]
 pub extern "C" fn score_next() -> usize {
     SCORER.with_borrow_mut(|scorer| {

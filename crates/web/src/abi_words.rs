@@ -33,7 +33,7 @@ pub extern "C" fn page_set_text_mode(length: usize) {
     });
 }
 
-/// Takes a candidate, from 1, in place of the word that is typed.
+/// Replaces the word that is being typed by a candidate, counted from 1.
 #[unsafe(no_mangle)]
 pub extern "C" fn page_choose(number: u8) {
     tell_session(|session| session.choose(number));

@@ -44,7 +44,7 @@ struct RecordedHands {
 }
 
 impl PageSession {
-    /// Lets a recording move the hands: the bytes of an MCAP file. The boards fit its hands until other ones move.
+    /// Makes a recording move the hands, from the bytes of an MCAP file. The boards fit its hands until other hands move.
     ///
     /// # Errors
     /// The file is not a recording, has no readings, or has a glove or arm that cannot be read.

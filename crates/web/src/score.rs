@@ -76,7 +76,7 @@ impl Scoring {
         })
     }
 
-    /// Lets the next person type. Returns the score of the people so far; `None` after the last one.
+    /// Simulates the next person. Returns the score of the people so far; `None` after the last one.
     pub fn advance(&mut self) -> Result<Option<LayoutScore>, ScoreError> {
         let next = self.scores.len();
         let Some(person) = self.people.get(next..=next) else {

@@ -66,7 +66,7 @@ impl PageSession {
         self.execute(Command::Text { mode });
     }
 
-    /// Takes a candidate, from 1, in place of the word that is typed.
+    /// Replaces the word that is being typed by a candidate, counted from 1.
     pub fn choose(&mut self, number: u8) {
         self.execute(Command::Candidate { number });
     }

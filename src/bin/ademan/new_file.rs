@@ -68,7 +68,7 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     files::write_new(path, text.as_bytes()).map_err(|error| Failure::cannot_write(path, error))
 }
 
-/// Says what a new file is, and the commands that use it. Says nothing of the standard output, `-`.
+/// Reports a new file and the commands that use it. Reports nothing for the standard output, `-`.
 pub fn announce(path: &Path, original: &str, next: &str) -> Result<(), Failure> {
     if path == Path::new(STDOUT) {
         return Ok(());

@@ -133,7 +133,7 @@ impl Procedure {
         &self.poses
     }
 
-    /// Goes on to the next pose. The present one counts as not observed.
+    /// Skips to the next pose. The present pose counts as not observed.
     pub fn skip(&mut self) {
         if let Some(pose) = self.pose() {
             self.forget(pose);

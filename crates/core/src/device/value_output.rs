@@ -219,7 +219,7 @@ impl ValueEmitter {
         }
     }
 
-    /// Lets taps wait only if the value was emitted: otherwise those that wait would tap back to the value before. The next call emits both.
+    /// Keeps waiting taps only if the value was emitted; otherwise they would tap back to the previous value. The next call emits both.
     fn wait_only_at(&mut self, value: f32) {
         if self.value != value {
             self.waits_for = None;

@@ -19,7 +19,7 @@ impl TakenAxes {
         Self(axes)
     }
 
-    /// Gives the copy of a part free axes of the same kind, and takes them.
+    /// Assigns free axes of the same kind to the copy of a part, and marks them as used.
     ///
     /// # Errors
     /// If none is free.

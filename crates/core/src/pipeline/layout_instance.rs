@@ -137,7 +137,7 @@ impl LayoutInstance {
         (filter, &self.scene, &self.key_arbiter)
     }
 
-    /// Takes over the mode of the text decoder, and what it knows of the person, from the layout before.
+    /// Copies the mode of the text decoder, and what it has learned about the person, from the previous layout.
     pub(super) fn take_over_text(&mut self, before: &Self) {
         if let Some((filter, known)) = self.filter.as_mut().zip(before.filter()) {
             filter.take_over(known);

@@ -71,7 +71,7 @@ pub trait PressFilter: Send {
     /// Forgets what it has learned about the person, and what is pending.
     fn forget(&mut self) {}
 
-    /// Takes candidate `number`, from 1, in place of the word that is typed, in the next step that [may type](FilterInput::may_type).
+    /// Replaces the word that is being typed by candidate `number`, counted from 1, in the next step that [may type](FilterInput::may_type).
     fn choose(&mut self, _number: u8) {}
 
     /// Returns `true` if a finger of this hand swipes over the keys, so that its hand presses none, takes no candidate and changes no
@@ -98,7 +98,7 @@ pub trait PressFilter: Send {
     /// Continues after text that another filter has seen; `is_inside` is `true` if the text ends inside a word.
     fn set_inside_word(&mut self, _is_inside: bool) {}
 
-    /// Takes over the mode and what is known of the person from the filter of the layout that this one replaces. May allocate.
+    /// Copies the mode, and what is known about the person, from the filter of the layout that this one replaces. May allocate.
     fn take_over(&mut self, _before: &dyn PressFilter) {}
 
     /// Returns itself, for a filter of its own type that [takes over](Self::take_over).

@@ -61,8 +61,8 @@ impl Pipeline {
         self.rearm(events);
     }
 
-    /// Releases what a hand holds because the source of it, or of a part of it, was lost. The other hand, and what the other
-    /// part drives, continue. Everything [stalls](Self::stall) if nothing is left.
+    /// Releases what a hand holds because the source of the hand, or of a part of it, was lost. The other hand and controls that
+    /// the remaining part drives continue. Everything [stalls](Self::stall) if nothing is left.
     pub fn lose(&mut self, side: Option<Side>, part: Option<HandPart>, events: &mut Events) {
         if self.state == PipelineState::Stopped {
             return;
@@ -154,7 +154,7 @@ impl Pipeline {
         has_other
     }
 
-    /// Lets suspended hands touch again, if `origin` may end a pause of the rate limit.
+    /// Ends the suspension of hands, if `origin` may end a pause of the rate limit.
     pub(super) fn end_suspensions(&mut self, origin: CommandOrigin) {
         if origin.may_end_pause_of(CommandOrigin::RateLimit) {
             for hand in &mut self.hands {

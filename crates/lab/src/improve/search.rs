@@ -303,7 +303,7 @@ impl Search<'_> {
         Ok(Some(text))
     }
 
-    /// Lets all people use a layout, unless the first of them do clearly worse than on the current one. `None` if it is worse by more
+    /// Scores a layout with all people, unless the first of them do clearly worse than on the current layout. `None` if it is worse by more
     /// than `loss`, some control is out of reach, or the search is cancelled.
     fn race(
         &mut self,

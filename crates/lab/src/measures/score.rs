@@ -275,7 +275,7 @@ fn one(
     Ok(score)
 }
 
-/// Puts a person in front of the layout, with a decoder if there is one.
+/// Creates the station of a person at the layout, with a text decoder if there is one.
 pub(super) fn station(
     conditions: &Conditions,
     decoding: Option<&Decoding>,

@@ -40,7 +40,7 @@ pub struct Failure {
     pub pressed: Vec<String>,
 }
 
-/// Lets a person of a score type all phrases again, and returns the one with most errors as it was typed; `None` if the layout does
+/// Simulates a person of a score typing all phrases again, and returns the typed phrase with the most errors; `None` if the layout does
 /// not type. The same conditions give the same readings.
 ///
 /// # Errors

@@ -143,8 +143,8 @@ impl Plan {
         }
     }
 
-    /// Puts the scores of shards together, in the order of the shards: a result for each layout. `participants` are all people of the
-    /// plan. Without the scores of some shards, the results are of the people of the others, and say so.
+    /// Merges the scores of shards, in the order of the shards, into a result for each layout. `participants` are all people of the
+    /// plan. If shards are missing, the results cover the people of the other shards and are marked as partial.
     pub fn merge(
         &self,
         participants: &[Participant],

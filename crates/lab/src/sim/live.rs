@@ -86,7 +86,7 @@ impl LiveTask {
         live
     }
 
-    /// Goes on at the step with the index `next`, from the present postures of the hands.
+    /// Continues at the step with the index `next`, from the present postures of the hands.
     pub(super) fn resume(
         task: HandTask,
         layout: Arc<Layout>,
@@ -137,7 +137,7 @@ impl LiveTask {
         &self.layout.scene
     }
 
-    /// Goes on with another layout. `hands` may be anywhere, but press nothing that they need.
+    /// Continues with another layout. `hands` may be anywhere, but press nothing that they need.
     pub(super) fn set_layout(self, layout: Arc<Layout>, hands: &mut [SensedHand]) -> Self {
         let next = if self.has_returned || self.is_step_done(hands) {
             self.next
@@ -163,7 +163,7 @@ impl LiveTask {
         self.movements.is_empty() && hands.iter().all(is_idle)
     }
 
-    /// Goes on with other hands in the same postures, between two steps.
+    /// Continues with other hands in the same postures, between two steps.
     pub(super) fn set_hands(&mut self, hands: &[SensedHand]) {
         for (state, hand) in self.states.iter_mut().zip(hands) {
             state.set_person(hand.hand.state());
@@ -189,7 +189,7 @@ impl LiveTask {
         true
     }
 
-    /// Gives the hands their next movements, if the next step has any. Returns `false` at the end.
+    /// Assigns the movements of the next step to the hands, if it has any. Returns `false` at the end.
     fn plan_next(&mut self, hands: &mut [SensedHand], repeats: bool) -> bool {
         if self.movements.is_empty() && self.next < self.steps.len() {
             self.plan_step(&sides(hands));

@@ -43,7 +43,7 @@ pub struct Station {
 }
 
 impl Station {
-    /// Puts a person in front of a layout.
+    /// Creates the station of a person at a layout.
     pub fn new(
         document: &Document,
         person: &Participant,
@@ -99,7 +99,7 @@ impl Station {
         })
     }
 
-    /// Puts a text decoder after the devices. Returns `false` if the layout has too few letters for it.
+    /// Adds a text decoder after the devices. Returns `false` if the layout has too few letters for it.
     pub fn set_decoder(&mut self, decoder: &DecoderFactory) -> bool {
         let decoder = decoder(&self.layout, self.hands.len() > 1);
         self.finds_letters = decoder.as_deref().is_some_and(PressFilter::finds_letters);

@@ -180,7 +180,7 @@ impl CommandSender {
         }
     }
 
-    /// Puts a command into the queue, and wakes the loop.
+    /// Adds a command to the queue, and wakes the loop.
     fn put(&self, command: Command, reply: Option<ReplySender>) -> Result<(), RequestError> {
         if command == Command::Stop {
             self.stop.store(true, Ordering::Release);

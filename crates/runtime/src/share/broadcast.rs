@@ -166,7 +166,7 @@ impl Broadcast {
         }
     }
 
-    /// Gives the lines since the last write to the clients without requests.
+    /// Sends the lines since the last write to the clients without requests.
     fn end_round(&mut self) {
         let clients = &mut self.clients;
         self.rounds.take(|kind, round| {

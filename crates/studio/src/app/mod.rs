@@ -209,7 +209,7 @@ impl StudioApp {
         self
     }
 
-    /// Says why a change of the setup does not apply, so that this program is on the setup before.
+    /// Shows the reason why a change of the setup does not apply and the previous setup stays in use.
     #[must_use]
     pub fn with_refusal(mut self, reason: String) -> Self {
         self.panels.refuse(reason);
@@ -281,7 +281,7 @@ impl StudioApp {
         self.apply_hand();
     }
 
-    /// Brings the state that is shown to the present.
+    /// Updates the shown state to the present.
     fn advance(&mut self, elapsed: Duration) {
         self.has_changed = match &mut self.player {
             Some(player) => {

@@ -36,7 +36,7 @@ enum Grip {
     Lifted,
 }
 
-/// Lets a fingertip follow the mouse.
+/// Makes a fingertip follow the mouse.
 pub struct Aim {
     /// The hand for boards that both may touch.
     first_side: Side,
@@ -93,7 +93,7 @@ impl Aim {
         }
     }
 
-    /// Lets a finger that presses follow the mouse in the plane of the front on which it went down.
+    /// Moves a pressing finger with the mouse, in the plane of the front on which it went down.
     fn drag(&mut self, mouse: Mouse, side: Side, hit: FrontHit, last: Pointed) {
         let Some(ray) = mouse.ray else {
             self.lift();

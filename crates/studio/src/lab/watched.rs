@@ -81,7 +81,7 @@ impl WatchedPerson {
     }
 }
 
-/// Lets a person of a run type again, and returns the person with the recording of the phrase that went worst, for a
+/// Simulates a person of a run typing again, and returns the person with the recording of the phrase with the most errors, for a
 /// [`Player`](crate::playback::Player). It takes as long as the score of this person. The error is a sentence for the user.
 pub fn watch(
     request: &LabRequest,

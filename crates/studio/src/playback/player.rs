@@ -172,7 +172,7 @@ impl Player {
         self.wanted = index.min(self.times.len().saturating_sub(1));
     }
 
-    /// Brings the model to the wanted step if it is loaded, and loads it otherwise.
+    /// Updates the model to the wanted step if the step is loaded, and loads it otherwise.
     fn show_wanted(&mut self, model: &mut StudioModel) {
         if self.times.is_empty() || self.shown == Some(self.wanted) {
             return;

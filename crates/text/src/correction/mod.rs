@@ -191,7 +191,7 @@ impl<'m> Corrector<'m> {
         self.is_partial = is_inside;
     }
 
-    /// Takes over what another corrector has learned about the person.
+    /// Copies what another corrector has learned about the person.
     pub fn take_over(&mut self, before: &Self) {
         self.restored.take_over(&before.restored);
         self.names.take_over(&before.names);
@@ -251,7 +251,7 @@ impl<'m> Corrector<'m> {
         !self.shown.is_empty() || self.undo.is_possible || self.swiped.is_some()
     }
 
-    /// Takes a character key. The tap has to say what it typed; without, it is the nearest key.
+    /// Handles the press of a character key. If the tap does not state its character, the nearest key counts.
     pub fn press(&mut self, tap: Tap) -> &[Edit] {
         self.edits.clear();
         let keyboard = self.decoder.keyboard();
@@ -362,7 +362,7 @@ impl<'m> Corrector<'m> {
         self.decoder.follow(&self.shown);
     }
 
-    /// Takes a Backspace.
+    /// Handles a Backspace.
     pub fn backspace(&mut self) -> &[Edit] {
         self.edits.clear();
         if std::mem::take(&mut self.undo.is_possible) {

@@ -97,7 +97,7 @@ impl Decoder<'_> {
         self.commit_text(None);
     }
 
-    /// Goes on after punctuation and a space, which follow the text of the last commit.
+    /// Continues after punctuation and a space, which follow the text of the last commit.
     pub(crate) fn commit_mark(&mut self, mark: char) {
         let mut encoded = [0; 4];
         self.commit_text(Some(mark.encode_utf8(&mut encoded)));

@@ -70,7 +70,7 @@ impl Literal {
         self.sentence = sentence;
     }
 
-    /// Goes on after another text, between words, with its log-probability, the word before and the taps of its sentence.
+    /// Continues after another text, between words, with its log-probability, the word before and the taps of its sentence.
     pub fn follow(&mut self, text: &str, score: f32, (row, sentence): (Row, u16)) {
         self.clear(row, sentence);
         self.text.push_str(text);

@@ -140,7 +140,7 @@ impl Decoder<'_> {
             .text(&self.history, finished, &self.taps, start)
     }
 
-    /// Puts what was typed among the candidates, in place of the last one if there are enough.
+    /// Adds the typed text to the candidates, in place of the last candidate if the list is full.
     fn add_literal(&mut self) {
         let typed = self.literal.text();
         let found = &self.candidates[..self.found];

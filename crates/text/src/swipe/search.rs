@@ -9,7 +9,7 @@ use crate::model::alphabet::{Symbol, plain};
 use crate::model::bigrams::Row;
 use crate::model::lexicon::ROOT;
 
-/// The words that are found.
+/// The number of words that a search returns.
 const WORDS: usize = 3;
 /// The most letters of a word.
 const MAX_LETTERS: usize = 32;
@@ -19,7 +19,7 @@ const LETTER_DEVIATION: f32 = 0.4;
 const LINE_DEVIATION: f32 = 0.4;
 /// The length of a path, in widths of a key, that is worth as much as one letter: neighboring points deviate together.
 const LINE_LENGTH: f32 = 1.5;
-/// The cost of a path across a line, for the same length; the opposite direction costs twice as much.
+/// The cost of a path at a right angle to a line, for the same length; the opposite direction costs twice as much.
 const TURN: f32 = 3.0;
 /// The log-probability of a word with an apostrophe, which the finger passes over.
 const APOSTROPHE: f32 = -0.7;
@@ -256,7 +256,7 @@ impl Swipes {
         floor
     }
 
-    /// Looks at a node with its row filled, and at what follows.
+    /// Adds the word of a node whose row is filled, and searches the nodes below it.
     fn enter(&mut self, context: &Context, place: Place, symbol: Symbol) {
         let contents = context.model.lexicon.node(place.node);
         if place.floor - context.language * contents.best() > self.limit

@@ -142,7 +142,7 @@ impl Destination {
 }
 
 impl Written {
-    /// Says what was written. The user of the layout calls it `name`.
+    /// Reports the written file and its layout, which the user calls `name`.
     fn announce(&self, name: &str) -> Result<(), Failure> {
         let path = match self {
             Self::Same(path) => {
@@ -244,7 +244,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     )))
 }
 
-/// Lets held-out people use the original and the text that was found. Returns both results, or `None` after an interruption.
+/// Scores the original and the found text with held-out people. Returns both results, or `None` after an interruption.
 fn judge(
     args: &Args,
     (document, found): (&Document, &str),

@@ -154,7 +154,7 @@ fn run_shard(args: &RunArgs, plan: &Plan, shard: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Puts the scores of all shards together, and prints and writes the results as `lab score` and `lab compare` do.
+/// Merges the scores of all shards, and prints and writes the results as `lab score` and `lab compare` do.
 pub fn merge(args: &MergeArgs) -> Result<(), Failure> {
     let plan = read_plan(&args.folder)?;
     let inputs: Vec<PathBuf> = (0..plan.shards)

@@ -115,7 +115,7 @@ fn suspend(last: &LastRequest) {
     }
 }
 
-/// Gives the terminal back, and ends the process as without a handler. The watchdog releases the keys.
+/// Restores the terminal, and ends the process as without a handler. The watchdog releases the keys.
 fn quit() {
     signals::run_last_action();
     // It does not return.

@@ -215,7 +215,7 @@ fn load_setup(args: &Args) -> Result<(LoadedSetup, bool), Failure> {
     Ok((setup.load_files()?, is_simulated))
 }
 
-/// Lets every source without a role press keys. Roles protect other programs, and no output reaches one.
+/// Allows every source without a role to press keys. Roles protect other programs, and no output reaches one.
 fn permit_keys(setup: &mut Setup) {
     setup.role.get_or_insert(SourceRole::Both);
     setup.arm_role.get_or_insert(SourceRole::Both);

@@ -69,7 +69,7 @@ fn unused() -> SigSet {
     unused
 }
 
-/// Lets a read of the terminal by this thread fail while the program is in the background. Otherwise it stops the whole program.
+/// Makes a read of the terminal by this thread fail while the program is in the background, instead of stopping the program.
 #[cfg(feature = "tls")]
 pub fn block_background_reads() -> Result<(), Failure> {
     let mut stop = SigSet::empty();

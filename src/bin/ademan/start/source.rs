@@ -79,7 +79,7 @@ fn choose(mut found: Vec<SourceUri>, questions: &Questions) -> Result<SourceUri,
     Ok(found.remove(number - 1))
 }
 
-/// Says what to use without a device on a serial port.
+/// Reports the sources that need no device on a serial port.
 fn propose_without_device(has_no_port: bool, out: &mut impl Write) -> io::Result<()> {
     if has_no_port {
         writeln!(out, "no serial port is present")?;

@@ -248,7 +248,7 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Takes the markers that are where they are expected, apart from all others, and that two cameras see or more.
+    /// Matches the markers that are at their expected position, apart from all others, and seen by two or more cameras.
     fn take_expected(&mut self, groups: &mut Vec<Group<'a>>) {
         let noise = NOISE * self.max_gap;
         let mut gates_of = self

@@ -8,19 +8,19 @@ use super::joint_matching::{Expected, MatchedMarker, Observation, match_cameras}
 /// Longest time in seconds for which a hidden marker is predicted.
 const BRIDGE: f64 = 0.1;
 
-/// Longest time in seconds after which a marker that is seen again is known as the same one.
+/// Longest time in seconds after which a marker that reappears counts as the same marker.
 const MEMORY: f64 = 0.3;
 
 /// Most markers that are followed. The ones that were seen last stay.
 const MAX_TRACKS: usize = 256;
 
-/// Standard deviation of a prediction in metres: of positions, and of one that is made right after them.
+/// Standard deviation in metres of a measured position, and of a prediction for the same instant.
 const NEAR_DEVIATION: f64 = 0.002;
 
 /// Standard deviation of the acceleration of a marker, in m/s².
 const ACCELERATION: f64 = 10.0;
 
-/// Part of the change of the velocity that each position adds.
+/// The fraction of the change of velocity that each new position contributes.
 const VELOCITY_GAIN: f64 = 0.6;
 
 /// Number of standard deviations within which a marker continues a track.
@@ -29,7 +29,7 @@ const GATE: f64 = 5.0;
 /// A marker at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackedMarker<'a> {
-    /// The number of the marker, which no other one has.
+    /// The unique number of the marker.
     pub id: u64,
     /// The name, if a camera has ever stated it.
     pub label: Option<&'a str>,
@@ -41,8 +41,8 @@ pub struct TrackedMarker<'a> {
 
 /// The markers that are followed.
 ///
-/// The observations of each instant are [matched](match_cameras) with the markers expected where they move to, so that markers whose
-/// rays cross keep apart. A marker has the name that a camera states, and keeps it where none does.
+/// The observations of each instant are [matched](match_cameras) with the markers at their predicted positions, so that markers whose
+/// rays cross are not confused. A marker has the label that a camera states, and keeps it in lines that state none.
 #[derive(Clone, Debug)]
 pub struct MarkerTracker {
     max_gap: f64,
@@ -99,7 +99,7 @@ impl MarkerTracker {
             })
             .collect();
         let mut markers = match_cameras(cameras, &expected, self.max_gap);
-        // One that may be another marker waits until it is clear.
+        // A marker that may be another one waits until it is unambiguous.
         markers.retain(|marker| !marker.is_ambiguous);
         let mut tracks = self.tracks_of(&markers);
         for (marker, track) in markers.iter().zip(&mut tracks) {
@@ -108,9 +108,9 @@ impl MarkerTracker {
                 self.next_id += 1;
                 self.tracks.len() - 1
             });
-            self.tracks[index].see(marker, seconds);
+            self.tracks[index].update(marker, seconds);
         }
-        self.keep_names_apart(&markers, &tracks);
+        self.keep_labels_unique(&markers, &tracks);
         self.tracks.sort_by(|one, other| {
             let order = other.seen.total_cmp(&one.seen);
             order.then(one.id.cmp(&other.id))
@@ -171,8 +171,8 @@ impl MarkerTracker {
         found
     }
 
-    /// Takes a name that a camera states now from every other track.
-    fn keep_names_apart(&mut self, markers: &[MatchedMarker], tracks: &[Option<usize>]) {
+    /// Removes a label that a camera states for a marker from every other track.
+    fn keep_labels_unique(&mut self, markers: &[MatchedMarker], tracks: &[Option<usize>]) {
         for (marker, track) in markers.iter().zip(tracks) {
             let Some(label) = marker.label else {
                 continue;
@@ -197,13 +197,13 @@ impl Track {
         }
     }
 
-    /// Returns the position to which the marker has moved on at a time.
+    /// Returns the predicted position at a time in seconds.
     fn at(&self, seconds: f64) -> DVec3 {
-        let way = self.velocity.unwrap_or_default() * (seconds - self.seen);
-        self.position + way
+        let displacement = self.velocity.unwrap_or_default() * (seconds - self.seen);
+        self.position + displacement
     }
 
-    fn see(&mut self, marker: &MatchedMarker, seconds: f64) {
+    fn update(&mut self, marker: &MatchedMarker, seconds: f64) {
         let time = seconds - self.seen;
         if time > 0.0 {
             let now = (marker.point - self.position) / time;

@@ -111,7 +111,7 @@ impl LineParser for HolisticParser {
 }
 
 impl HolisticParser {
-    /// Takes the axes of the trunk from a body. A trunk without a direction changes nothing. Other cameras than one in front of the
+    /// Sets the axes of the trunk from a body. A trunk without a direction changes nothing. Other cameras than one in front of the
     /// person move with the person, or see no trunk.
     fn see_trunk(&mut self, body: &BodyLandmarks) {
         if !self.hands.is_camera_in_front() {

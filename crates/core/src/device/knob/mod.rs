@@ -198,7 +198,7 @@ impl Knobs {
         }
     }
 
-    /// Takes the knob between thumb and index finger when they close.
+    /// Grips the knob when thumb and index finger close over it.
     fn begin_pinch(
         &mut self,
         tips: &PinchTips,

@@ -223,7 +223,7 @@ impl<'a> LayoutBuilder<'a> {
         checked
     }
 
-    /// Lets strokes of fingers press keys, except keys that wait for a fingertip to dwell.
+    /// Makes strokes of fingers press the keys, except keys that wait for a fingertip to dwell.
     fn strike_keys(&mut self, keys: std::ops::Range<usize>, fingers: FingerSet) {
         for key in &self.keys[keys] {
             if !matches!(key.activation, Activation::Dwell(_)) {

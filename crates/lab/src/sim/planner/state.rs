@@ -39,7 +39,7 @@ pub(in crate::sim) struct HandState {
     pub(super) bent: Vec<Finger>,
     /// `true` if the boards have moved under the hand: the next way to a target is checked for contacts.
     pub(super) is_displaced: bool,
-    /// `true` if the hand has risen since then.
+    /// `true` if the hand has risen since the boards moved under it.
     pub(super) is_raised: bool,
 }
 
@@ -47,7 +47,7 @@ impl HandState {
     /// Creates a hand at rest.
     pub(in crate::sim) fn new(hand: TypingHand, motor: Motor) -> Self {
         Self {
-            // They stay as they are, whatever they touch.
+            // Resting fingers keep their posture, even if they touch a target.
             posed: motor.resting,
             motor,
             values: hand.rest_values(),
@@ -101,21 +101,21 @@ impl HandState {
         self.is_raised = false;
     }
 
-    /// Keeps what an earlier state of the hand has beside its posture.
+    /// Copies the rest posture, the effector and the posed fingers from an earlier state of the hand.
     pub(in crate::sim) fn keep_habits(&mut self, earlier: &Self) {
         self.rest.clone_from(&earlier.rest);
         self.effector = earlier.effector;
         self.posed = earlier.posed;
     }
 
-    /// Goes on as the person of another state, who has the same posture and finds the same keys.
+    /// Replaces the person by the person of another state, and keeps the posture and the learned positions of the keys.
     pub(in crate::sim) fn set_person(&mut self, other: Self) {
         let keys = std::mem::take(&mut self.motor.keys);
         (self.hand, self.motor, self.rest) = (other.hand, other.motor, other.rest);
         self.motor.keys = keys;
     }
 
-    /// Goes to the start of these actions, and returns the movements that show the hand there.
+    /// Moves the hand to the start of these actions, and returns the movements.
     pub(in crate::sim) fn begin(
         &mut self,
         actions: &[HandAction],

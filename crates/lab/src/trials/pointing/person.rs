@@ -124,7 +124,7 @@ pub(super) struct Pointing<'a, C> {
 }
 
 impl<'a, C: Cursor> Pointing<'a, C> {
-    /// Puts the hand to the middle of the range, waits until the pointer is ready, and tries the cursor in both directions; `None` if
+    /// Moves the hand to the middle of the range, waits until the pointer is ready, and tries the cursor in both directions; `None` if
     /// the hand cannot use the pointer.
     pub(super) fn begin(
         hand: &'a mut FluentHand,

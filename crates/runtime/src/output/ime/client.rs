@@ -37,7 +37,7 @@ pub(super) struct Request {
 pub(super) enum Action {
     /// Shows a word in the field.
     Show(Text),
-    /// Puts text into the field in place of the shown word.
+    /// Replaces the shown word in the field by text.
     Commit(Text),
     /// Lists candidates beside the field; none hides them.
     List(Candidates),
@@ -178,7 +178,7 @@ impl Client {
         self.shared.take_choice()
     }
 
-    /// Lets the thread execute what was requested, and ends it. A daemon that hangs keeps its thread.
+    /// Ends the thread after it has executed all requests. The thread remains if the daemon hangs.
     pub(super) fn close(&mut self) {
         drop(self.requests.take());
         let ended = self.ended.recv_timeout(CLOSE_TIMEOUT);

@@ -107,7 +107,7 @@ impl Outputs {
         }
     }
 
-    /// Takes notice of an event for the output of keys.
+    /// Counts an event for the output of keys.
     pub(super) fn count(&mut self, event: EventKind) {
         match self {
             Self::Bus { client, .. } if is_key_press(event) => client.count_press(),

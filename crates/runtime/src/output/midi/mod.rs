@@ -88,7 +88,7 @@ impl Midi {
         })
     }
 
-    /// Puts the messages that are due into the queue: numbers that wait up to `motion_limit` messages.
+    /// Adds the messages that are due to the queue: numbers that wait up to `motion_limit` messages.
     fn send_due(&mut self, motion_limit: usize) -> Result<(), OutputError> {
         let Some(messages) = &self.messages else {
             return Err(error("it is closed"));

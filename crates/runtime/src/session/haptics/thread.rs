@@ -167,7 +167,7 @@ impl FeedbackWriter {
         self.end();
     }
 
-    /// Takes a new state over. The hold of a finger whose force is as before continues.
+    /// Applies a new state. A finger whose force has not changed is held as before.
     fn want(&mut self, state: FeedbackState, now: Instant) {
         for (hold, &force) in self.holds.iter_mut().zip(&state.forces) {
             if !hold.is_some_and(|it| it.force == force) {

@@ -84,7 +84,7 @@ impl DevicesWindow {
         self.is_focus_due = self.is_open;
     }
 
-    /// Goes on after a change of the setup, with the error of that, if any. Other ports may be free.
+    /// Prepares the window for the session after a change of the setup, and keeps the error of the change, if any. Other ports may be free.
     pub fn after_change(self, error: Option<String>) -> Self {
         Self {
             search: None,

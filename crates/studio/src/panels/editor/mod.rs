@@ -424,7 +424,7 @@ fn rounded(value: f32) -> f64 {
     (f64::from(value) * 100.0).round() / 100.0
 }
 
-/// Brings the editor to the present, and does what keys ask for.
+/// Updates the editor for the frame, and handles keys.
 pub(super) fn prepare(
     ui: &mut egui::Ui,
     panel: &mut EditorPanel,
@@ -489,7 +489,7 @@ pub(super) fn show_canvas(ui: &mut egui::Ui, state: &mut PanelState, context: &m
     }
 }
 
-/// Says why there is no layout to edit.
+/// Shows the reason why there is no layout to edit.
 pub(super) fn show_error(ui: &mut egui::Ui, state: &mut PanelState) {
     if let Some(Err(error)) = &state.editor {
         ui.label(text("editor-cannot-open"));

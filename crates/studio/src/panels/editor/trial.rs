@@ -9,7 +9,7 @@ use super::EditorPanel;
 use crate::editor::EditorTrial;
 use crate::typing::Typing;
 
-/// Gives the text to the running session while it is edited, unless that types into other programs: then only on request.
+/// Makes the running session use the text while it is edited; only on request if the session types into other programs.
 pub(in super::super) fn advance_trial(
     ui: &egui::Ui,
     panel: &mut EditorPanel,

@@ -127,7 +127,7 @@ impl LabState {
         }
     }
 
-    /// Lets a person of the last result type again.
+    /// Starts the replay of a person of the last result.
     fn watch(&mut self, index: usize) {
         let Some((request, people, score)) = self
             .shown

@@ -63,7 +63,7 @@ pub fn take_over() -> io::Result<()> {
     written
 }
 
-/// Gives the terminal back as it was. Has no effect if it is not covered; waits 0.4 s at most.
+/// Restores the terminal. Has no effect if it is not covered; waits 0.4 s at most.
 pub fn restore() {
     IS_COVERED.store(false, Ordering::Release);
     let Some(Covered {

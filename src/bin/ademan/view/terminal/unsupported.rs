@@ -32,7 +32,7 @@ pub fn take_over() -> io::Result<()> {
     out.flush()
 }
 
-/// Gives the terminal back as it was. Has no effect if it is not covered.
+/// Restores the terminal. Has no effect if it is not covered.
 pub fn restore() {
     IS_COVERED.store(false, Ordering::Release);
     if HAS_LEFT_MODES.swap(false, Ordering::AcqRel) {

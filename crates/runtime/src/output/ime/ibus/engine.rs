@@ -69,8 +69,8 @@ struct KeysOfOutput {
 }
 
 impl KeysOfOutput {
-    /// Takes notice of a key: its symbol, its code and the modifiers. `sent` is the number of presses so far. Returns `true` if another
-    /// keyboard has pressed it.
+    /// Records a key event, given by its symbol, its code and the modifiers. Returns `true` if it comes from another keyboard. `sent` is
+    /// the number of presses that the output has sent so far.
     fn is_of_other_keyboard(&mut self, (symbol, code, state): (u32, u32, u32), sent: u32) -> bool {
         let is_last = self.held == Some(code);
         if state & RELEASE != 0 {
@@ -324,7 +324,7 @@ impl<'a> Engine<'a> {
         self.bus.reply(message, &())
     }
 
-    /// Lets every key pass to the program, after the text that precedes it.
+    /// Passes every key to the program, after the text that precedes it.
     fn process_key(&mut self, message: &Message) -> zbus::Result<()> {
         let Some(key) = arguments::<(u32, u32, u32)>(message) else {
             return self.bus.refuse_arguments(message);
