@@ -1,7 +1,7 @@
 //! The time of the contact stage for one pose, five fingertips against a board, beside parry alone.
 //!
-//! All rows of a line run in turn and must find the same entries. `growth` is the time with this many keys relative to that
-//! with 64. Without `--bench` (as in `cargo test --benches`) it measures one pass.
+//! All rows of a line run in turn and must find the same entries. `growth` is the time with this many keys relative to the time with
+//! 64 keys. Without `--bench` (as in `cargo test --benches`) it measures one pass.
 
 #[path = "contact/boards.rs"]
 mod boards;
@@ -124,7 +124,7 @@ fn print_rebuild(rounds: usize) {
 
 /// A cursor that moves through balls in space at a pitch of 20 mm.
 fn print_space(rounds: usize) {
-    println!("\n| balls in space | time of a step |");
+    println!("\n| balls in space | time of a step |\n|---|---|");
     for balls in [64, 10_000] {
         let side = (balls as f32).cbrt().ceil() as usize;
         let ball = |number: usize| Volume {

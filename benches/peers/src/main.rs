@@ -61,7 +61,7 @@ fn print_forward_kinematics(rounds: usize) {
         ],
     );
     let joints = arm.links().iter().filter(|link| link.dof.is_some()).count();
-    println!("| forward kinematics of {joints} joints | time | relative to ours |");
+    println!("| forward kinematics of {joints} joints | time | relative to ours |\n|---|---|---|");
     let rows = [
         "ours, with the poses of all joints",
         "glam, plain tree of `f32`",
@@ -83,7 +83,10 @@ fn tips_of_all(estimates: &[Estimate], tips: impl Fn(&Estimate) -> Tips) {
 }
 
 fn print_contact(rounds: usize) {
-    println!("\n| contact, 100 keys | hits | ours | ray | shapes | ray / ours | shapes / ours |");
+    println!(
+        "\n| contact, 100 keys | hits | ours | ray | shapes | ray / ours | shapes / ours |\n\
+         |---|---|---|---|---|---|---|"
+    );
     let boards = |motion| Kind::ALL.map(|kind| (motion, kind));
     for (motion, kind) in Motion::ALL.into_iter().flat_map(boards) {
         let (scene, poses) = (kind.scene(100), motion.poses());

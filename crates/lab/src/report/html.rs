@@ -1,4 +1,4 @@
-//! A report as one HTML file: light or dark, for a telephone or a desk.
+//! A report as one HTML file, in light or dark colours, for phones and desktop screens.
 
 use std::fmt::{self, Write};
 
@@ -8,7 +8,7 @@ use crate::measures::{Comparison, Interval, LabResult, PersonScore, Summary};
 use crate::message::escape_markup;
 use crate::trials::PointingScore;
 
-/// Rows of the tables of keys, pairs and people.
+/// The largest number of rows of the tables of keys, pairs and people.
 const ROWS: usize = 12;
 /// The rate of missed keys with the strongest colour.
 const WORST_RATE: f64 = 0.5;
@@ -43,7 +43,7 @@ pub fn to_html(results: &[LabResult], layouts: &[Layout]) -> Result<String, TooM
     Ok(page)
 }
 
-/// Returns the colours of a layout: the part of the strokes that did not press what was meant, or of the tasks that were not done.
+/// Returns the colour of each target: the fraction of strokes that did not press it when it was meant, or of its tasks that were not done.
 pub fn heats(layout: &Layout, people: &[PersonScore]) -> Vec<Heat> {
     let names = layout.target_names();
     let keys = keys_of_all(people).into_iter().filter_map(|key| {
@@ -164,7 +164,7 @@ fn write_comparison(comparison: &Comparison, page: &mut String) -> fmt::Result {
         )?;
         for group in &comparison.groups {
             let own = group.differences.get(index);
-            // A group without a task that is done has no times.
+            // A group that completed no task has no times.
             let unknown = || "<td class=\"number\">–</td>".to_owned();
             let text = own.map_or_else(unknown, |it| cell(&it.interval, 1.0, 2));
             write!(page, "{text}")?;
@@ -197,7 +197,7 @@ fn write_result(result: &LabResult, drawings: &[String], page: &mut String) -> f
     };
     writeln!(
         page,
-        "<h2>{what}</h2>\n<p class=\"note\">The strongest colour is {:.0} % and more. Point at a key to see its figures.</p>",
+        "<h2>{what}</h2>\n<p class=\"note\">The strongest colour means {:.0} % or more. Point at a key to see its figures.</p>",
         WORST_RATE * 100.0
     )?;
     for drawing in drawings {
@@ -240,8 +240,8 @@ fn write_people(result: &LabResult, page: &mut String) -> fmt::Result {
     if summary.characters > 0 {
         writeln!(
             page,
-            "<p>The intended pace, an input, is {:.1} words/min on average. The worst tenth makes {:.1} % wrong characters; the \
-             slowest tenth types {:.1} words/min.</p>",
+            "<p>The intended pace, an input, is {:.1} words/min on average. The worst tenth of the people types {:.1} % wrong characters; \
+             the slowest tenth types {:.1} words/min.</p>",
             summary.pace_wpm,
             100.0 * summary.worst_cer,
             summary.worst_wpm
@@ -249,7 +249,7 @@ fn write_people(result: &LabResult, page: &mut String) -> fmt::Result {
     }
     let mut people: Vec<&PersonScore> = result.scores.iter().collect();
     let badness = |person: &PersonScore| match summary.characters {
-        // Fewer tasks done, or without tasks a lower throughput.
+        // A person is worse with fewer tasks done or, without tasks, with a lower throughput.
         0 => -own_figures(result, person).first().map_or(0.0, |own| own.1),
         _ => person.cer(),
     };
@@ -279,7 +279,7 @@ fn write_people(result: &LabResult, page: &mut String) -> fmt::Result {
     writeln!(page, "</table>")
 }
 
-/// Returns the figures of a person with their names: of texts, or else of tasks and of a pointer, as far as the result has them.
+/// Returns the figures of a person with their names: of typed text, otherwise of tasks and of the pointer, as far as the result has them.
 fn own_figures(result: &LabResult, person: &PersonScore) -> Vec<(&'static str, f64)> {
     if result.summary.characters > 0 {
         return vec![("words/min", person.wpm), ("CER %", 100.0 * person.cer())];
