@@ -13,6 +13,7 @@ const PAGE: u64 = 4096;
 /// The permitted growth of the memory from the first quarter of the run to its end, in bytes.
 const MAX_GROWTH: u64 = 1 << 20;
 
+/// The counts and measurements of a soak test.
 #[derive(Default)]
 pub struct SoakStats {
     pub hours: f64,
@@ -135,7 +136,7 @@ impl fmt::Display for SoakStats {
         if self.resident.is_empty() {
             write!(
                 f,
-                "SKIPPED: no /proc/self/statm, so memory was not looked at"
+                "SKIPPED: no /proc/self/statm, so memory was not measured"
             )
         } else {
             let kibibytes = self.resident.iter().map(|bytes| bytes / 1024);

@@ -90,7 +90,7 @@ fn propose_without_device(has_no_port: bool, out: &mut impl Write) -> io::Result
         let command = camera.command();
         writeln!(
             out,
-            "a camera is there, which can follow your hand: {command}"
+            "a camera is connected; to follow your hand with it: {command}"
         )?;
     }
     writeln!(

@@ -5,7 +5,7 @@ use super::holds::Hold;
 /// The fewest holds of each kind for a parameter.
 pub const MIN_CYCLES: usize = 3;
 
-/// The part of the range at each end that counts as that end.
+/// The fraction of the range at each end that counts as that end.
 const END: f64 = 0.2;
 
 /// The smallest range of a sensor that was bent, as a fraction of the full scale.
@@ -22,7 +22,8 @@ pub struct SensorParameters {
     pub ends: Option<(f64, f64)>,
     /// The standard deviation of a count while the hand is still, in counts. `None` without a hold.
     pub jitter: Option<f64>,
-    /// The count half-way from the high end less the count half-way from the low end, in counts.
+    /// The hysteresis in counts: the mean count of the half-bent pose approached from the high end, minus the mean approached from
+    /// the low end.
     pub hysteresis: Option<f64>,
     /// The standard deviation of a pose that is taken again, in counts.
     pub repeatability: Option<f64>,
@@ -90,7 +91,7 @@ enum Level {
 }
 
 impl SensorParameters {
-    /// Returns the parameters of a channel. Those for which it lacks holds are `None`.
+    /// Returns the parameters of a channel. A parameter for which holds are missing is `None`.
     pub(super) fn new(channel: usize, full_scale: u16, holds: &[Hold]) -> Self {
         let degrees: usize = holds.iter().map(|hold| hold.degrees).sum();
         let squares: f64 = holds.iter().map(|hold| hold.squares).sum();
@@ -141,12 +142,12 @@ impl SensorParameters {
         parameters
     }
 
-    /// Returns the difference of the counts at both ends, or `None` if the channel was not held at both.
+    /// Returns the difference between the counts at both ends, or `None` if the channel was not held at both.
     pub fn span(&self) -> Option<f64> {
         self.ends.map(|(low, high)| high - low)
     }
 
-    /// Returns the holds that are missing for all parameters; `None` if there are enough.
+    /// Returns the missing holds in words, or `None` if there are enough for all parameters.
     pub fn missing(&self) -> Option<String> {
         let HoldCounts {
             low,
@@ -189,7 +190,7 @@ fn groups(holds: &[Hold], full_scale: u16) -> [Group; 4] {
         fraction if fraction >= 1.0 - END => Level::High,
         _ => Level::Middle,
     };
-    // The first pose is not approached from any side.
+    // The first hold has no previous one, so the side from which it was approached is unknown.
     for (index, hold) in holds.iter().enumerate().skip(1) {
         let before = level(&holds[index - 1]);
         let after = holds.get(index + 1).map(level);

@@ -6,7 +6,7 @@ use crate::estimate::{Estimate, JointLimits, Rejection, angles_from_bones};
 use crate::hand::{ArmBone, ArmRotations, BoneRotations, FingerSet, Side};
 use crate::time::Timestamp;
 
-/// The time for which a bone that does not come keeps its last rotation: a lost datagram holds some bones of one frame.
+/// The time for which a bone that is not sent keeps its last rotation: each lost datagram contains some bones of one frame.
 const HOLD: Duration = Duration::from_millis(200);
 
 /// The converter of one arm.
@@ -19,15 +19,15 @@ pub(super) struct BoneConverter {
 }
 
 impl BoneConverter {
-    /// Returns `true` if a bone of the arm has not come for longer than the hold time.
+    /// Returns `true` if a bone of the arm was not sent for longer than the hold time.
     pub(super) fn has_lost_arm(&self) -> bool {
         self.has_lost_arm
     }
 
     /// Writes the angles of the arm of one side into `estimate`, within the joint limits.
     ///
-    /// A bone that does not come keeps its last rotation. Once it has not come for longer than the hold time, its finger is
-    /// untrusted, or the whole hand if it is a bone of the arm. A finger with a bone that never came is untrusted too.
+    /// A bone that is not sent keeps its last rotation for the hold time. After that, its finger is untrusted, or the whole
+    /// hand if it is a bone of the arm. A finger with a bone that was never sent is untrusted too.
     pub(super) fn convert(
         &mut self,
         bones: &BoneRotations,
@@ -61,7 +61,7 @@ impl BoneConverter {
         Ok(())
     }
 
-    /// Returns `true` if a bone came within the hold time before `time`.
+    /// Returns `true` if a bone was sent within the hold time before `time`.
     fn is_held(&self, bone: ArmBone, time: Timestamp) -> bool {
         self.last.is_known(bone) && time.since(self.seen_at[bone.index()]) <= HOLD
     }
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bone_that_does_not_come_is_held_then_its_finger_or_the_hand_is_untrusted() {
+    fn a_bone_that_is_not_sent_is_held_then_its_finger_or_the_hand_is_untrusted() {
         let mut converter = BoneConverter::default();
         let mut convert = |milliseconds: u64, bones: &[ArmBone]| {
             let time = Timestamp(1000 * milliseconds);

@@ -1,4 +1,4 @@
-//! Presses of a target: the finger that presses it, the way to it, and what is pressed there.
+//! Presses of a target: the choice of the finger, its path to the target, and the check that it presses only this target.
 
 use std::time::Duration;
 
@@ -34,8 +34,11 @@ impl Planner<'_> {
         }
     }
 
-    /// Returns what may press a target, best first: the finger that the layout names, the fingers of the person, at a board that
-    /// moves with the wrist the fingers by their distance, and otherwise the index finger, then the thumb.
+    /// Returns the fingers that may press a target, best first.
+    ///
+    /// The finger that the layout names is the only one. Without it, a board that moves with the wrist is pressed by the nearest
+    /// finger, and any other board by the fingers of the person or, if the person has no choice of fingers, by the index finger,
+    /// then the thumb.
     pub(super) fn effectors(&self, target: TargetId) -> Vec<Effector> {
         let Some((surface, found)) = self.scene.target(target) else {
             return vec![Effector::INDEX];
@@ -84,8 +87,8 @@ impl Planner<'_> {
         all.collect()
     }
 
-    /// Presses a point with the first finger that reaches it and presses nothing else. Fails with the error of the best finger, or of
-    /// one that reaches the point and has another reason.
+    /// Presses a point with the first finger that reaches it and presses nothing else. If none does, fails with the error of a
+    /// finger that reached the point, or else of the one that came nearest.
     pub(super) fn press_by_any(
         &mut self,
         point: TargetPoint,
@@ -98,7 +101,7 @@ impl Planner<'_> {
         for effector in self.effectors(point.target) {
             match self.press_with(effector, point, &height) {
                 Ok(()) => {
-                    self.err(effector, point, &height, (&state, count));
+                    self.add_error_of_person(effector, point, &height, (&state, count));
                     return Ok(());
                 }
                 Err(error) => {
@@ -115,11 +118,12 @@ impl Planner<'_> {
             self.movements.truncate(count);
         }
         let error = best.unwrap_or(ActionErrorKind::NotOnBoard);
-        Err(self.measured(error, point, fingers))
+        Err(self.with_distance_at_rest(error, point, fingers))
     }
 
-    /// Replaces the distance in an error out of reach by the distance for a hand at rest, which the warnings about a layout name.
-    fn measured(
+    /// Replaces the distance in an `OutOfReach` error by the distance for a hand at rest: the warnings about a layout state the
+    /// same distance.
+    fn with_distance_at_rest(
         &self,
         error: ActionErrorKind,
         point: TargetPoint,
@@ -138,8 +142,9 @@ impl Planner<'_> {
         }
     }
 
-    /// Replaces the press that is intended, the movements since a state and their number, by one with the errors of the person.
-    fn err(
+    /// Replaces the intended press by one with the error of the person. The intended press is the movements after the first
+    /// `count`, which began in the state `before`. It stays if the finger cannot reach the point with the error.
+    fn add_error_of_person(
         &mut self,
         effector: Effector,
         point: TargetPoint,
@@ -168,7 +173,7 @@ impl Planner<'_> {
             .go_above(effector, missed, &reach_target)
             .and_then(|()| self.press_to(missed, reach_target, depth));
         if pressed.is_err() {
-            // The error leads out of reach.
+            // The point with the error is out of reach.
             self.state = intended.0;
             self.movements.truncate(count);
             self.movements.extend(intended.1);
@@ -196,8 +201,8 @@ impl Planner<'_> {
         }
     }
 
-    /// Refuses a press that another target takes, or that another finger makes too. A point beside the center may be beside the
-    /// target, and a finger that the actions have bent may press on purpose.
+    /// Fails if the finger would press another target or none, or if another finger would press a target too. A point beside the
+    /// center may be beside the target, and a finger that the actions have bent may press on purpose.
     fn check_presses(
         &self,
         watch: &Watch,

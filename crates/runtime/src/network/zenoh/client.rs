@@ -1,6 +1,6 @@
-//! Clients of a router, by the library `zenoh`.
+//! Clients of a router, with the library `zenoh`.
 //!
-//! The library runs threads of its own, which all sessions of the process share.
+//! The library runs its own threads, which all sessions of the process share.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::SocketAddr;
@@ -23,14 +23,14 @@ const QUEUE_CAPACITY: usize = 64;
 /// Longest message that is read, in bytes. A longer one is dropped.
 const MAX_MESSAGE_BYTES: usize = 1 << 16;
 
-/// The messages of one key, a message for each read.
+/// The messages of one key. Each read returns one message.
 pub struct Subscriber {
     messages: zenoh::pubsub::Subscriber<RingChannelHandler<Sample>>,
     _session: Session,
 }
 
 impl Subscriber {
-    /// Connects to a router and subscribes. Later losses of the router end by themselves.
+    /// Connects to a router and subscribes to a key. The library reconnects by itself when the router is lost later.
     pub fn open(router: SocketAddr, key: &str) -> Result<Self, ZenohError> {
         let session = connect(router)?;
         let subscriber = session.declare_subscriber(key.to_owned());
@@ -59,7 +59,7 @@ impl Read for Subscriber {
     }
 }
 
-/// A publisher of lines: a message for each line that is written.
+/// A publisher that sends each line that is written as one message.
 pub struct Publisher {
     publisher: zenoh::pubsub::Publisher<'static>,
     /// The start of a line.
@@ -68,7 +68,7 @@ pub struct Publisher {
 }
 
 impl Publisher {
-    /// Connects to a router.
+    /// Connects to a router, to publish a key.
     pub fn open(router: SocketAddr, key: &str) -> Result<Self, ZenohError> {
         let session = connect(router)?;
         // A message that the router does not accept at once is dropped: the next one is newer.
@@ -86,21 +86,21 @@ impl Publisher {
 }
 
 impl Stream for Publisher {
-    /// No call waits in any case.
+    /// Does nothing: no call of a publisher waits.
     fn set_nonblocking(&self, _: bool) -> io::Result<()> {
         Ok(())
     }
 }
 
 impl Read for Publisher {
-    /// A key has no requests.
+    /// Reads nothing: subscribers send no requests to a publisher.
     fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
         Err(ErrorKind::WouldBlock.into())
     }
 }
 
 impl Write for Publisher {
-    /// Publishes all complete lines. Fails only at the end of the session.
+    /// Publishes all complete lines. Fails only when the session of the library has ended.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         for part in bytes.split_inclusive(|byte| *byte == b'\n') {
             self.line.extend_from_slice(part);
@@ -128,7 +128,7 @@ fn connect(router: SocketAddr) -> Result<Session, ZenohError> {
         .map_err(|error| router_error(router, &error))
 }
 
-/// Returns the settings: nothing is searched for, and nothing listens.
+/// Returns the settings of a client that neither searches for routers nor listens.
 fn config(router: SocketAddr) -> zenoh::Result<Config> {
     let mut config = Config::default();
     for (key, value) in [
