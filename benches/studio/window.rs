@@ -20,7 +20,7 @@ pub const SCREEN: &str = "1280x800x24";
 /// The part of the 3D view in which the first frame is awaited: left edge, top, width, height.
 const MIDDLE: (i16, i16, u16, u16) = (300, 200, 200, 150);
 
-/// Fewest colours of a part of a picture with keys or a hand; before it, the window has one.
+/// Fewest colors of a part of a picture with keys or a hand; before it, the window has one.
 const MIN_COLORS: usize = 3;
 
 /// Clock ticks per second of the times in `/proc` (`USER_HZ`).

@@ -324,7 +324,7 @@ fn warnings_with(options: &str, mut piece: impl FnMut() -> Vec<u8>, text: &str) 
 }
 
 #[test]
-fn bytes_of_another_protocol_are_recognised() {
+fn bytes_of_another_protocol_are_recognized() {
     let mut random = Rng::with_seed(6);
     let line = || format!("A957B{}C60D2047E1F2047G2047P0\n", random.u16(..4096)).into_bytes();
     let advice = "it looks like LucidGloves: add protocol=lucidgloves";
@@ -346,7 +346,7 @@ fn bytes_of_another_protocol_are_recognised() {
 }
 
 #[test]
-fn a_sender_at_a_lower_bit_rate_is_recognised() {
+fn a_sender_at_a_lower_bit_rate_is_recognized() {
     // At 115200, a bit of 9600 lasts longer than a byte: its stop bit is low, and the byte arrives as 0.
     let advice = "it looks like a sender at a lower bit rate: set baud=9600";
     let options = "?protocol=hc11&baud=115200";

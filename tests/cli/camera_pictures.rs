@@ -97,7 +97,7 @@ fn room() -> Vec<Camera> {
     (0..3).map(camera).collect()
 }
 
-/// Returns what a camera sees of points with their colours.
+/// Returns what a camera sees of points with their colors.
 fn seen(camera: &Camera, points: &[(DVec3, [f64; 3])]) -> Vec<Disc> {
     let disc = |(point, color): &(DVec3, [f64; 3])| Some((camera.project(*point)?.pixel, *color));
     points.iter().filter_map(disc).collect()
@@ -223,7 +223,7 @@ fn check_calibrated(folder: &tempfile::TempDir, cameras: &[Camera], folders: &[P
     let found = markers(folders, &arm_options).done();
     let lines = file(folder, "calibrated.jsonl", &found.out);
     let joints = traced(&lines);
-    // A small wand hardly tells the centre of the first camera's image from its rotation, so only distances count.
+    // A small wand hardly tells the center of the first camera's image from its rotation, so only distances count.
     let count = joints.len() as f64;
     let exact = (0..joints.len()).flat_map(|index| arm(index as f64 / count));
     let pairs: Vec<(DVec3, DVec3)> = joints.iter().flatten().copied().zip(exact).collect();

@@ -241,7 +241,7 @@ fn exchanged_sensors_are_shown_without_a_glove() {
 }
 
 #[test]
-fn a_glove_whose_protocol_is_not_named_is_recognised() {
+fn a_glove_whose_protocol_is_not_named_is_recognized() {
     let wearer = Wearer::start(BUILD);
     let source = format!("serial:{}", wearer.port());
     let mut command = ademan(["run", "--source", &source]);

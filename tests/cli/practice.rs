@@ -439,7 +439,7 @@ mod on_a_terminal {
     }
 
     #[test]
-    fn the_keys_of_wrong_characters_are_coloured() {
+    fn the_keys_of_wrong_characters_are_colored() {
         let state = tempfile::tempdir().unwrap();
         // The noise that the test of errors uses too.
         let arguments = ["--text", "una mano", "--noise", "8", "--seed", "2"];

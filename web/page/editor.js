@@ -1,4 +1,4 @@
-// The editor of the layout: a text with colours behind it, and faults at their lines.
+// The editor of the layout: a text with colors behind it, and faults at their lines.
 
 const editor = document.getElementById("editor");
 const highlight = document.getElementById("highlight");

@@ -2,7 +2,7 @@
 
 const PEOPLE = 8;
 
-/** The part of missed strokes that has the strongest colour. */
+/** The part of missed strokes that has the strongest color. */
 const HOTTEST = 0.3;
 
 /** Keys with fewer strokes show nothing: one miss of two is no sign. */
@@ -84,7 +84,7 @@ function sentence({ people, of, errors, wpm, untypable, tasks }) {
   return `${parts.join(", ")}.${untypable ? ` Not typable: ${untypable}` : ""}`;
 }
 
-/** Colours the keys of the plan, which may just have been drawn. */
+/** Colors the keys of the plan, which may just have been drawn. */
 export function drawHeat() {
   for (const key of document.querySelectorAll("#plan .plan-key")) {
     const counts = shown?.keys[key.dataset.name];

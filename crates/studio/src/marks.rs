@@ -15,7 +15,7 @@ use ademan_core::layout::{FrontMark, Layout, MarkRole, MarkShape};
 /// The smallest label that can be read, in points.
 const MIN_LABEL_PT: f32 = 5.0;
 
-/// The part of the colour of missed strokes on a front with the most of them: its label stays readable.
+/// The part of the color of missed strokes on a front with the most of them: its label stays readable.
 const HOTTEST: f32 = 0.75;
 
 /// The longest line of a round corner, in points, and the range of the number of its lines.
@@ -32,7 +32,7 @@ pub struct FrontView<'a> {
     pub colors: &'a SceneColors,
     /// The control is pressed.
     pub is_lit: bool,
-    /// The strength of the colour of missed strokes, 0..=1.
+    /// The strength of the color of missed strokes, 0..=1.
     pub heat: f32,
 }
 
@@ -67,7 +67,7 @@ pub fn add_marks(picture: &mut Picture, marks: &[FrontMark], view: &FrontView) {
     }
 }
 
-/// Returns the colour of a front on which a part of the strokes missed: 0 for none, 1 for the most.
+/// Returns the color of a front on which a part of the strokes missed: 0 for none, 1 for the most.
 pub fn heated(front: Color, heat: f32, colors: &SceneColors) -> Color {
     front.mix(colors.fault, HOTTEST * heat.clamp(0.0, 1.0))
 }

@@ -1,16 +1,16 @@
-//! A picture on the screen: coloured triangles and labels, before any window toolkit.
+//! A picture on the screen: colored triangles and labels, before any window toolkit.
 
 use std::f32::consts::{PI, TAU};
 
 use parry3d::math::Vec2;
 
-/// A colour: red, green, blue, opacity; not premultiplied.
+/// A color: red, green, blue, opacity; not premultiplied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Color(pub [u8; 4]);
 
 #[cfg(test)]
 impl Color {
-    /// Returns the contrast to another colour, as the Web Content Accessibility Guidelines 2.2 define it: 1..=21.
+    /// Returns the contrast to another color, as the Web Content Accessibility Guidelines 2.2 define it: 1..=21.
     pub fn contrast(self, other: Self) -> f32 {
         let (a, b) = (self.luminance(), other.luminance());
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
@@ -27,19 +27,19 @@ impl Color {
 }
 
 impl Color {
-    /// Creates an opaque colour.
+    /// Creates an opaque color.
     pub const fn rgb(red: u8, green: u8, blue: u8) -> Self {
         Self([red, green, blue, 255])
     }
 
-    /// Returns the colour with another opacity, 0..=1.
+    /// Returns the color with another opacity, 0..=1.
     #[must_use]
     pub fn with_opacity(self, opacity: f32) -> Self {
         let [red, green, blue, _] = self.0;
         Self([red, green, blue, (opacity.clamp(0.0, 1.0) * 255.0) as u8])
     }
 
-    /// Returns the colour at `t` between this one (0) and another (1).
+    /// Returns the color at `t` between this one (0) and another (1).
     #[must_use]
     pub fn mix(self, other: Self, t: f32) -> Self {
         let t = t.clamp(0.0, 1.0);
@@ -60,7 +60,7 @@ pub struct Label {
     pub right: Vec2,
     /// The direction from the top of a letter to its bottom, as long as a letter is high.
     pub down: Vec2,
-    /// The colour.
+    /// The color.
     pub color: Color,
     /// The word.
     pub text: String,
@@ -69,7 +69,7 @@ pub struct Label {
 /// Triangles in the order in which they are drawn.
 #[derive(Clone, Debug, Default)]
 pub struct Triangles {
-    /// Corners: position in points, and colour.
+    /// Corners: position in points, and color.
     pub vertices: Vec<(Vec2, Color)>,
     /// Indices of the corners, three for each triangle.
     pub indices: Vec<u32>,
@@ -158,7 +158,7 @@ const DISC_SIDE: f32 = 3.0;
 const DISC_SIDES: (usize, usize) = (24, 128);
 
 impl Triangles {
-    /// Adds a convex polygon with soft edges; each corner has a colour.
+    /// Adds a convex polygon with soft edges; each corner has a color.
     pub fn add_polygon(&mut self, corners: &[(Vec2, Color)]) {
         let count = corners.len() as u32;
         if count < 3 {
@@ -181,13 +181,13 @@ impl Triangles {
         }
     }
 
-    /// Adds a convex polygon of one colour.
+    /// Adds a convex polygon of one color.
     pub fn add_flat_polygon(&mut self, corners: &[Vec2], color: Color) {
         let corners: Vec<_> = corners.iter().map(|&corner| (corner, color)).collect();
         self.add_polygon(&corners);
     }
 
-    /// Adds a convex polygon of one colour without soft edges, which many small shapes do not need.
+    /// Adds a convex polygon of one color without soft edges, which many small shapes do not need.
     pub fn add_plain_polygon(&mut self, corners: &[Vec2], color: Color) {
         let first = self.vertices.len() as u32;
         let vertices = corners.iter().map(|&corner| (corner, color));
@@ -198,7 +198,7 @@ impl Triangles {
         }
     }
 
-    /// Adds a line of this width, with a colour at each end.
+    /// Adds a line of this width, with a color at each end.
     pub fn add_line(&mut self, [from, to]: [(Vec2, Color); 2], width: f32) {
         let side = (to.0 - from.0).perp().normalize_or_zero();
         let first = self.vertices.len() as u32;
@@ -438,7 +438,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_mix() {
+    fn colors_mix() {
         let (black, white) = (Color::rgb(0, 0, 0), Color::rgb(255, 255, 255));
         assert_eq!(black.mix(white, 0.5), Color::rgb(128, 128, 128));
         assert_eq!(black.mix(white, 7.0), white);

@@ -25,9 +25,9 @@ pub const HAND_NOISES: (f32, f32) = (0.0, 5.0);
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// Light or dark colours.
+    /// Light or dark colors.
     pub theme: Theme,
-    /// Colours of high contrast.
+    /// Colors of high contrast.
     pub has_high_contrast: bool,
     /// Scale of everything in the window, 0.5..=3.
     pub scale: f32,
@@ -55,7 +55,7 @@ pub struct Settings {
     pub recent_recordings: RecentFiles,
 }
 
-/// A choice of colours.
+/// A choice of colors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Theme {

@@ -51,7 +51,7 @@ fn assert_close(found: &Value, expected: &Value, tolerance: f64, what: &str) {
 }
 
 #[test]
-fn normalised_landmarks_have_the_attributes_of_the_reference() {
+fn normalized_landmarks_have_the_attributes_of_the_reference() {
     let folder = tempfile::tempdir().unwrap();
     let cases = vectors();
     assert!(cases.len() > 30, "{} cases", cases.len());

@@ -11,7 +11,7 @@ use crate::control::ctl;
 use crate::support::binary::ademan;
 use crate::support::run::{ARMED, Run, shipped};
 
-/// Ends a command, clears the screen, colours and reverses the text, and continues with false lines.
+/// Ends a command, clears the screen, colors and reverses the text, and continues with false lines.
 const NAME: &str =
     "x;touch PWNED \u{1b}[2J\u{9b}31m\u{202e}\u{2066}\u{2028}\u{2029}\nerror: forged\nsudo forged";
 

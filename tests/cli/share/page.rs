@@ -9,7 +9,7 @@ use serde_json::json;
 use super::{share, typist};
 use crate::browser::{Browser, TIMEOUT};
 
-/// The state of the page, and how many pixels of its canvas have the colour of a skin, a lit key and a key.
+/// The state of the page, and how many pixels of its canvas have the color of a skin, a lit key and a key.
 const LOOK: &str = r##"(() => {
   const canvas = document.getElementById("view");
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);

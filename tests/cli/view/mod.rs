@@ -18,7 +18,7 @@ use crate::support::process::signal;
 /// A text that takes longer than a test.
 const LONG_TEXT: &str = "typist:hello hello hello hello hello hello hello hello hello hello hello hello hello hello hello";
 
-/// A run of a simulated hand, in a UTF-8 locale with colours.
+/// A run of a simulated hand, in a UTF-8 locale with colors.
 fn run(arguments: &[&str]) -> Command {
     run_typing(LONG_TEXT, arguments)
 }
@@ -30,7 +30,7 @@ fn run_typing(source: &str, arguments: &[&str]) -> Command {
     command
 }
 
-/// Sets the environment of a terminal with colours, in a UTF-8 locale.
+/// Sets the environment of a terminal with colors, in a UTF-8 locale.
 pub fn set_terminal(command: &mut Command) {
     command
         .env("TERM", "xterm-256color")
@@ -145,7 +145,7 @@ fn labels_are_cut_at_their_end_only() {
 }
 
 #[test]
-fn without_colours_a_pressed_key_is_reversed_and_without_utf_8_all_is_ascii() {
+fn without_colors_a_pressed_key_is_reversed_and_without_utf_8_all_is_ascii() {
     let mut command = run(&[]);
     command.env("NO_COLOR", "1").env("LC_ALL", "C");
     let screen = Screen::start(&command, 80, 24);

@@ -437,7 +437,7 @@ fn a_drag_on_the_plan_whose_button_came_up_over_another_tab_is_cancelled() {
     mouse(&mut browser, "mouseMoved", [at[0] + 20.0, at[1]]);
     browser.wait_for(state, "it follows the mouse", |seen| seen[2] != before[2]);
     browser.evaluate("dragged.dispatchEvent(new PointerEvent('pointermove', { pointerId: globalThis.pointer, pointerType: 'mouse' })); true");
-    // The element is the same one, so that the colours of a score stay.
+    // The element is the same one, so that the colors of a score stay.
     assert_eq!(browser.evaluate(state), before);
     mouse(&mut browser, "mouseReleased", at);
     assert_eq!(browser.evaluate(state), before);

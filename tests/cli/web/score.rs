@@ -40,7 +40,7 @@ const KEEP_WORKERS: &str = r##"(() => {
   };
 })()"##;
 
-/// Keeps the page after the first person whose score colours some keys: on a busy machine all people may have typed before the next look.
+/// Keeps the page after the first person whose score colors some keys: on a busy machine all people may have typed before the next look.
 const KEEP_FIRST_SCORE: &str = r##"(() => {
   globalThis.firstScore = null;
   const text = document.getElementById("score-text");

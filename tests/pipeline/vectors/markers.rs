@@ -109,7 +109,7 @@ fn assert_pairs(case: &Value, tolerance: f64) {
     assert_eq!(pairs, wanted, "{name}");
 }
 
-/// Checks joint centres from markers on the skin, and rotations from bone to bone.
+/// Checks joint centers from markers on the skin, and rotations from bone to bone.
 pub fn skeleton_fit(file: &Value) -> usize {
     let tolerance = number(&file["tolerance"]["absolute"]);
     let cases = list(&file["cases"]);

@@ -82,7 +82,7 @@ impl ChangingWindow {
         Self::with_look(setup, settings, egui::Theme::Dark, 1.0)
     }
 
-    /// Opens the window on a setup, in colours and at a scale of the system.
+    /// Opens the window on a setup, in colors and at a scale of the system.
     pub fn with_look(
         setup: Setup,
         settings: &Path,

@@ -14,7 +14,7 @@ use image::RgbaImage;
 use crate::picture;
 use crate::window::Opening;
 
-/// The largest difference of a colour channel from a scene without the control, at which the control is not seen.
+/// The largest difference of a color channel from a scene without the control, at which the control is not seen.
 const UNSEEN: i32 = 10;
 
 /// Points of a control that are looked at, as fractions of its half extents.
@@ -27,7 +27,7 @@ const SAMPLES: [(f32, f32); 6] = [
     (-0.6, -0.6),
 ];
 
-/// The colour that a point of the view has without a control on it: the plate of the board or what is behind, below the hand.
+/// The color that a point of the view has without a control on it: the plate of the board or what is behind, below the hand.
 fn without_control(scene: &Picture, at: Pos2, below: Color) -> [i32; 3] {
     let color = |Color([red, green, blue, _]): Color| [red, green, blue].map(i32::from);
     let Some(image) = &scene.skin else {

@@ -17,10 +17,10 @@ use crate::window::StudioWindow;
 /// The folder of reviewed pictures, which the documentation shows.
 const PICTURES: &str = "../../docs/pictures";
 
-/// The fewest colours of a picture that shows something.
+/// The fewest colors of a picture that shows something.
 const MIN_COLORS: usize = 40;
 
-/// The largest difference of a pixel that is not seen, as a squared distance of colours.
+/// The largest difference of a pixel that is not seen, as a squared distance of colors.
 const THRESHOLD: f32 = 1.0;
 
 /// The number of pixels that another version of the driver may draw in another way.
@@ -46,7 +46,7 @@ pub fn draw(window: &mut StudioWindow, name: &str) -> Option<RgbaImage> {
         colors.insert(pixel.0);
         colors.len() > MIN_COLORS
     });
-    assert!(has_content, "{name} is blank: {} colours", colors.len());
+    assert!(has_content, "{name} is blank: {} colors", colors.len());
     Some(picture)
 }
 
@@ -132,7 +132,7 @@ fn is_update() -> bool {
     env::var_os("UPDATE_SNAPSHOTS").is_some()
 }
 
-/// Returns the picture with 64 steps per colour, which looks the same and makes a smaller file.
+/// Returns the picture with 64 steps per color, which looks the same and makes a smaller file.
 fn fewer_colors(picture: &RgbaImage) -> RgbaImage {
     let mut picture = picture.clone();
     for pixel in picture.pixels_mut() {

@@ -16,7 +16,7 @@ const PERSON: u64 = 3;
 /// Time that the source blocks while the person waits.
 const IDLE: Duration = Duration::from_millis(1);
 
-/// Behaviour and readings of the person.
+/// Behavior and readings of the person.
 #[derive(Default)]
 struct Part {
     /// Readings that are still to come.

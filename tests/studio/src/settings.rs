@@ -1,4 +1,4 @@
-//! Colours, size and language, chosen in the menu.
+//! Colors, size and language, chosen in the menu.
 
 use ademan::studio::texts::{self, Language, text};
 use image::RgbaImage;
@@ -13,7 +13,7 @@ fn choose(window: &mut StudioWindow, name: &str) {
     window.press_key(egui::Key::Escape);
 }
 
-/// Returns the colour of most pixels.
+/// Returns the color of most pixels.
 fn main_color(picture: &RgbaImage) -> [u8; 3] {
     let mut counts = std::collections::HashMap::new();
     for pixel in picture.pixels() {

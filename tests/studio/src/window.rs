@@ -38,7 +38,7 @@ pub struct Opening {
     pub readings: usize,
     /// Speed of the hand relative to its clock; without one it moves as fast as the session allows.
     pub speed: Option<f64>,
-    /// Colours.
+    /// Colors.
     pub theme: egui::Theme,
     /// Size, in points.
     pub size: [f32; 2],

@@ -91,7 +91,7 @@ fn spans(count: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..points).map(move |point| [point * count / points, (point + 1) * count / points])
 }
 
-/// Writes a curve as SVG with the colours of a report.
+/// Writes a curve as SVG with the colors of a report.
 pub fn write_curve(curve: &Curve, page: &mut String) -> fmt::Result {
     let [width, height] = SIZE;
     let highest = curve.points.iter().map(|(_, it)| it.high.max(it.value));

@@ -1,4 +1,4 @@
-//! A report as one HTML file, in light or dark colours, for phones and desktop screens.
+//! A report as one HTML file, in light or dark colors, for phones and desktop screens.
 
 use std::fmt::{self, Write};
 
@@ -10,7 +10,7 @@ use crate::trials::PointingScore;
 
 /// The largest number of rows of the tables of keys, pairs and people.
 const ROWS: usize = 12;
-/// The rate of missed keys with the strongest colour.
+/// The rate of missed keys with the strongest color.
 const WORST_RATE: f64 = 0.5;
 
 pub(crate) const STYLE: &str = "\
@@ -43,7 +43,7 @@ pub fn to_html(results: &[LabResult], layouts: &[Layout]) -> Result<String, TooM
     Ok(page)
 }
 
-/// Returns the colour of each target: the fraction of strokes that did not press it when it was meant, or of its tasks that were not done.
+/// Returns the color of each target: the fraction of strokes that did not press it when it was meant, or of its tasks that were not done.
 pub fn heats(layout: &Layout, people: &[PersonScore]) -> Vec<Heat> {
     let names = layout.target_names();
     let keys = keys_of_all(people).into_iter().filter_map(|key| {
@@ -192,12 +192,12 @@ fn write_result(result: &LabResult, drawings: &[String], page: &mut String) -> f
     writeln!(page, "</section></div>")?;
     write_curves(result, page)?;
     let what = match summary.characters {
-        0 => "Tasks that were not done, in colour",
-        _ => "Strokes that did not press what was meant, in colour",
+        0 => "Tasks that were not done, in color",
+        _ => "Strokes that did not press what was meant, in color",
     };
     writeln!(
         page,
-        "<h2>{what}</h2>\n<p class=\"note\">The strongest colour means {:.0} % or more. Point at a key to see its figures.</p>",
+        "<h2>{what}</h2>\n<p class=\"note\">The strongest color means {:.0} % or more. Point at a key to see its figures.</p>",
         WORST_RATE * 100.0
     )?;
     for drawing in drawings {

@@ -1,4 +1,4 @@
-//! Shapes and motions that people make in front of a noisy camera and with a glove: each is recognised, and others are not.
+//! Shapes and motions that people make in front of a noisy camera and with a glove: each is recognized, and others are not.
 
 use super::*;
 

@@ -314,7 +314,7 @@ fn recorded_hands_that_tap_a_table_show_no_shape_and_no_motion() {
 }
 
 #[test]
-fn shapes_of_recorded_hands_are_recognised() {
+fn shapes_of_recorded_hands_are_recognized() {
     let Some(path) = shared("peers/landmarks/mediapipe_tasks_hands.json") else {
         return;
     };

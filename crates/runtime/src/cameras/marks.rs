@@ -1,4 +1,4 @@
-//! Marks in images: bright or coloured discs, with their centers to a fraction of a pixel.
+//! Marks in images: bright or colored discs, with their centers to a fraction of a pixel.
 //!
 //! The center of the first pixel is (0, 0), as in OpenCV.
 
@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn centres_of_discs_with_noise_are_found_to_a_tenth_of_a_pixel() {
+    fn centers_of_discs_with_noise_are_found_to_a_tenth_of_a_pixel() {
         let mut random = fastrand::Rng::with_seed(4);
         let (mut worst, mut squares, mut count) = ([0.0_f64; 3], 0.0, 0);
         for round in 0..150 {

@@ -57,7 +57,7 @@ impl ShareKind {
 pub(super) enum LineKind {
     /// The line of a format without requests.
     Plain(ShareFormat),
-    /// The text line with its own time, by which a receiver on another machine recognises old ones.
+    /// The text line with its own time, by which a receiver on another machine recognizes old ones.
     TimedTextLine,
     /// An object with its kind.
     Object(ShareKind),

@@ -94,7 +94,7 @@ mod tests {
     use super::super::run::tests::{finish, request};
 
     #[test]
-    fn the_worst_person_is_first_and_every_letter_has_a_colour() {
+    fn the_worst_person_is_first_and_every_letter_has_a_color() {
         let outcome = finish(&LabRun::start(request(None))).expect("a result");
         let bars = outcome.bars();
         assert_eq!(bars.len(), 3);

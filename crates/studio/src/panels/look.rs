@@ -1,4 +1,4 @@
-//! The look of the window: colours, and what marks the focus.
+//! The look of the window: colors, and what marks the focus.
 
 use eframe::egui::{self, Color32, Role, Stroke, ThemePreference, Visuals, WidgetInfo};
 
@@ -65,7 +65,7 @@ pub(super) fn visuals(theme: egui::Theme, settings: &Settings) -> Visuals {
     visuals
 }
 
-/// Returns the colours of drawings that suit the colours of the window.
+/// Returns the colors of drawings that suit the colors of the window.
 pub(super) fn scene_colors(visuals: &Visuals) -> SceneColors {
     let has_high_contrast = visuals.override_text_color.is_some();
     SceneColors::new(visuals.dark_mode, has_high_contrast)
@@ -112,7 +112,7 @@ pub(super) fn draw_lines(ui: &mut egui::Ui) {
     }
 }
 
-/// Returns the colour of a line around what has the focus, or what the tour explains.
+/// Returns the color of a line around what has the focus, or what the tour explains.
 pub(super) fn focus_color(is_dark: bool) -> Color32 {
     if is_dark {
         Color32::from_rgb(0x7f, 0xbf, 0xff)
@@ -171,7 +171,7 @@ pub(super) fn name_image(response: &egui::Response, name: &str) {
 mod tests {
     use super::*;
 
-    /// The contrast of two opaque colours as WCAG 2.1 defines it, 1 to 21.
+    /// The contrast of two opaque colors as WCAG 2.1 defines it, 1 to 21.
     fn contrast(a: Color32, b: Color32) -> f32 {
         let luminance = |color: Color32| {
             let [red, green, blue, _] = egui::Rgba::from(color).to_array();

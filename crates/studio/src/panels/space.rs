@@ -188,7 +188,7 @@ fn show_typed(ui: &mut egui::Ui, area: Rect, context: &PanelContext, background:
         .on_hover_text(text("typed-hint"));
 }
 
-/// Returns the colour behind words over a picture with this background.
+/// Returns the color behind words over a picture with this background.
 pub(super) fn hint_background(background: Color) -> Color32 {
     color32(background).gamma_multiply(0.7)
 }
@@ -398,7 +398,7 @@ fn on_screen(position: Vec2, area: Rect) -> Pos2 {
     area.min + egui::vec2(position.x, position.y)
 }
 
-/// Converts a colour for egui.
+/// Converts a color for egui.
 pub fn color32(Color([red, green, blue, opacity]): Color) -> Color32 {
     Color32::from_rgba_unmultiplied(red, green, blue, opacity)
 }

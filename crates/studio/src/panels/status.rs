@@ -98,7 +98,7 @@ pub(super) fn state_words(model: &StudioModel) -> String {
     text(key).to_owned()
 }
 
-/// Returns the colour behind the words of a state.
+/// Returns the color behind the words of a state.
 const fn state_color(state: PipelineState) -> Color32 {
     match state {
         PipelineState::Starting | PipelineState::Stopped => Color32::from_rgb(0x5a, 0x64, 0x76),

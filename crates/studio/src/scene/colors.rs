@@ -1,8 +1,8 @@
-//! Colours of the 3D view.
+//! Colors of the 3D view.
 
 use crate::picture::Color;
 
-/// Colours of the 3D view.
+/// Colors of the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneColors {
     /// Behind everything.
@@ -38,7 +38,7 @@ pub struct SceneColors {
 }
 
 impl SceneColors {
-    /// Returns the colours for a window.
+    /// Returns the colors for a window.
     pub const fn new(is_dark: bool, has_high_contrast: bool) -> Self {
         match (is_dark, has_high_contrast) {
             (false, false) => Self::LIGHT,
@@ -48,12 +48,12 @@ impl SceneColors {
         }
     }
 
-    /// Returns `true` for colours of high contrast.
+    /// Returns `true` for colors of high contrast.
     pub fn has_high_contrast(&self) -> bool {
         [Self::LIGHT_CONTRAST, Self::DARK_CONTRAST].contains(self)
     }
 
-    /// Colours of high contrast for a light window.
+    /// Colors of high contrast for a light window.
     pub const LIGHT_CONTRAST: Self = Self {
         background: Color::rgb(0xff, 0xff, 0xff),
         board: Color::rgb(0x8a, 0x90, 0x9a),
@@ -66,7 +66,7 @@ impl SceneColors {
         ..Self::LIGHT
     };
 
-    /// Colours of high contrast for a dark window.
+    /// Colors of high contrast for a dark window.
     pub const DARK_CONTRAST: Self = Self {
         background: Color::rgb(0x00, 0x00, 0x00),
         board: Color::rgb(0x55, 0x5c, 0x68),
@@ -79,7 +79,7 @@ impl SceneColors {
         ..Self::DARK
     };
 
-    /// Colours for a light window.
+    /// Colors for a light window.
     pub const LIGHT: Self = Self {
         background: Color::rgb(0xee, 0xf1, 0xf7),
         board: Color::rgb(0xc3, 0xcd, 0xde),
@@ -98,7 +98,7 @@ impl SceneColors {
         fault: Color::rgb(0xd0, 0x1c, 0x1c),
     };
 
-    /// Colours for a dark window.
+    /// Colors for a dark window.
     pub const DARK: Self = Self {
         background: Color::rgb(0x16, 0x1a, 0x22),
         board: Color::rgb(0x2a, 0x32, 0x40),

@@ -25,7 +25,7 @@ pub(super) struct Corner {
     pub position: Vec2,
     /// Distance from the eye, in metres.
     pub depth: f32,
-    /// Colour; opaque.
+    /// Color; opaque.
     pub color: Color,
     /// Opacity, 0..=1.
     pub opacity: f32,
@@ -98,7 +98,7 @@ impl Surface {
         }
     }
 
-    /// Returns the colour at a point, by the weights of the corners; opaque.
+    /// Returns the color at a point, by the weights of the corners; opaque.
     fn color(&self, weights: Vec3) -> Color {
         Color::rgb(
             (self.red.dot(weights) + 0.5) as u8,
@@ -244,7 +244,7 @@ mod tests {
         mesh.draw(SIZE, opacity).expect("it is on the picture")
     }
 
-    /// Returns the colour at a point.
+    /// Returns the color at a point.
     fn color(image: &Image, x: f32, y: f32) -> Color {
         let [low, high] = image.corners;
         let [width, height] = image.size;

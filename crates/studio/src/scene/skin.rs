@@ -96,7 +96,7 @@ pub(super) fn add(canvas: &mut Canvas, sections: &[Section], sides: usize) {
     }
 }
 
-/// Projects and lights a point of a surface with a dark and a light colour. Returns `None` behind the eye.
+/// Projects and lights a point of a surface with a dark and a light color. Returns `None` behind the eye.
 pub(super) fn corner(
     canvas: &Canvas,
     point: Vec3,

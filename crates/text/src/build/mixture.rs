@@ -9,7 +9,7 @@ use super::{Words, ln};
 use crate::model::bigrams::AFTER_COMMA;
 use crate::model::lexicon::ROOT;
 
-/// The discount of each count in favour of words that were not seen.
+/// The discount of each count in favor of words that were not seen.
 const DISCOUNT: f64 = 0.75;
 /// The fewest occurrences of three words: once says little, and is most of them.
 const MIN_THREES: u32 = 2;

@@ -22,7 +22,7 @@ const FIRST_ROW: usize = 11;
 /// The longest line, in bytes.
 const MAX_LINE_BYTES: u64 = 1 << 16;
 
-/// The fields that hold landmarks, in world coordinates before normalised ones. The names in camel case are those of MediaPipe for
+/// The fields that hold landmarks, in world coordinates before normalized ones. The names in camel case are those of MediaPipe for
 /// JavaScript.
 const LANDMARK_FIELDS: [&str; 5] = [
     "pose_world_landmarks",

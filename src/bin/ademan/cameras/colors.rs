@@ -1,11 +1,11 @@
-//! Colours of marks.
+//! Colors of marks.
 
 use clap::ValueEnum;
 
-/// A colour of marks.
+/// A color of marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Color {
-    /// Bright, of any colour
+    /// Bright, of any color
     White,
     /// Dark on a bright background
     Dark,
@@ -24,7 +24,7 @@ pub enum Color {
 }
 
 impl Color {
-    /// Returns how much of the colour a pixel has, from 0 to 1: the brightness, or by how much the numbers of the colour exceed the
+    /// Returns how much of the color a pixel has, from 0 to 1: the brightness, or by how much the numbers of the color exceed the
     /// others.
     pub fn value(self, [red, green, blue]: [f32; 3]) -> f32 {
         let brightness = 0.299 * red + 0.587 * green + 0.114 * blue;
@@ -41,7 +41,7 @@ impl Color {
         value.max(0.0)
     }
 
-    /// Returns the threshold without `--threshold`. Colours of things are seldom pure.
+    /// Returns the threshold without `--threshold`. Colors of things are seldom pure.
     pub fn threshold(self) -> f32 {
         match self {
             Self::White | Self::Dark => 0.5,

@@ -97,7 +97,7 @@ impl Film {
         if let Some(rate_hz) = rate_hz {
             command.args(["-vf", &format!("fps={rate_hz}")]);
         }
-        // Otherwise a film with more than eight bits for each colour, such as films of telephones, gives such pictures.
+        // Otherwise a film with more than eight bits for each color, such as films of telephones, gives such pictures.
         command.args(["-f", "image2pipe", "-c:v", "ppm", "-pix_fmt", "rgb24", "-"]);
         let command = command.stdin(Stdio::null()).stdout(Stdio::piped());
         let mut child = command.spawn().map_err(|error| no_ffmpeg(path, &error))?;

@@ -1,4 +1,4 @@
-//! Labels of marks of one colour: given in one image, and carried to the next ones.
+//! Labels of marks of one color: given in one image, and carried to the next ones.
 
 use glam::DVec2;
 

@@ -25,7 +25,7 @@ const RATE_HZ: f64 = 100.0;
 /// Largest relative difference of equal rates: less than one picture in a day.
 const SAME_RATE: f64 = 1e-7;
 
-/// Find bright or coloured marks in pictures or films, and print them as lines of markers
+/// Find bright or colored marks in pictures or films, and print them as lines of markers
 ///
 /// Each folder of PNG or JPEG pictures, in the order of their names, or film is one camera, with the name of the folder or film.
 /// The cameras took their first pictures at the same time. With `--cameras`, the lines are those that `protocol=markers` reads;
@@ -38,7 +38,7 @@ pub struct Args {
     /// Folders of pictures, or films, which ffmpeg decodes; one for each camera
     #[arg(required = true, value_name = "FOLDER|FILM", id = "pictures")]
     cameras: Vec<PathBuf>,
-    /// Colours of the marks; `white` is anything bright
+    /// Colors of the marks; `white` is anything bright
     #[arg(
         long,
         value_name = "COLORS",
@@ -47,10 +47,10 @@ pub struct Args {
         default_value = "white"
     )]
     color: Vec<Color>,
-    /// Labels of the marks: one for each colour, or, with one colour, from the left to the right in the first picture with as many marks
+    /// Labels of the marks: one for each color, or, with one color, from the left to the right in the first picture with as many marks
     #[arg(long, value_name = "LABELS", value_delimiter = ',')]
     label: Vec<String>,
-    /// Smallest brightness or share of the colour of a mark, 0.01 to 0.99. The default is 0.5, and 0.3 for colours
+    /// Smallest brightness or share of the color of a mark, 0.01 to 0.99. The default is 0.5, and 0.3 for colors
     #[arg(long, value_name = "FRACTION", value_parser = fraction)]
     threshold: Option<f32>,
     /// Fewest pixels of a mark
@@ -163,7 +163,7 @@ fn check(args: &Args) -> Result<(), Failure> {
     let (colors, labels) = (args.color.len(), args.label.len());
     if colors > 1 && labels > 0 && labels != colors {
         return refused(format!(
-            "{labels} labels for {colors} colours; `--label` has one for each colour"
+            "{labels} labels for {colors} colors; `--label` has one for each color"
         ));
     }
     if labels > MAX_MARKS {
@@ -243,7 +243,7 @@ fn open(args: &Args) -> Result<Vec<Reader>, Failure> {
             }
             _ => None,
         };
-        // With several colours, each has its label.
+        // With several colors, each has its label.
         let labels = (args.color.len() == 1 && !args.label.is_empty())
             .then(|| LabelTracker::new(&args.label, args.max_jump_px));
         readers.push(Reader {
@@ -341,7 +341,7 @@ impl Reader {
         found
     }
 
-    /// Returns the marks of all colours with their labels.
+    /// Returns the marks of all colors with their labels.
     fn label(&mut self, found: &[(Color, FoundMarks)], args: &Args) -> Vec<LabelledMark> {
         let mut labelled = Vec::new();
         for (index, (color, of_color)) in found.iter().enumerate() {
@@ -402,7 +402,7 @@ impl Report {
             ),
             (
                 self.doubtful,
-                "times a colour with one label has several marks, which are then without it",
+                "times a color with one label has several marks, which are then without it",
             ),
             (
                 self.too_many,

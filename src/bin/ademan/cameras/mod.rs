@@ -72,7 +72,7 @@ pub struct CalibrateArgs {
     /// Width and height of all images, without a file of cameras
     #[arg(long, value_name = "WIDTHxHEIGHT", conflicts_with = "cameras", value_parser = size)]
     size: Option<DVec2>,
-    /// Keep focal lengths, centres and distortions
+    /// Keep focal lengths, centers and distortions
     #[arg(long, requires = "cameras")]
     keep_lenses: bool,
     /// File to create, `.ron` or `.toml` as Pose2Sim and Anipose read it; an existing file is not overwritten

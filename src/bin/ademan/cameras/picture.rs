@@ -15,7 +15,7 @@ const MAX_PIXELS: usize = 1 << 26;
 pub struct Picture {
     pub width: usize,
     pub height: usize,
-    /// Numbers for each pixel: 1 or 2 for grey, 3 or 4 for red, green and blue, with a transparency that is ignored.
+    /// Numbers for each pixel: 1 or 2 for gray, 3 or 4 for red, green and blue, with a transparency that is ignored.
     samples: usize,
     bytes: Vec<u8>,
 }
@@ -106,13 +106,13 @@ impl Picture {
         }
     }
 
-    /// Returns how much of a colour each pixel has.
+    /// Returns how much of a color each pixel has.
     pub fn of_color(&self, color: Color) -> Option<MarkImage> {
         let pixels = self.bytes.chunks_exact(self.samples);
         let values = pixels.map(|pixel| {
             let [red, green, blue] = match pixel {
                 [red, green, blue, ..] => [*red, *green, *blue],
-                [grey, ..] => [*grey; 3],
+                [gray, ..] => [*gray; 3],
                 [] => [0; 3],
             };
             color.value([red, green, blue].map(|byte| f32::from(byte) / 255.0))
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn every_form_of_png_has_its_colours() {
+    fn every_form_of_png_has_its_colors() {
         use png::{BitDepth, ColorType};
         let red = |bytes: &[u8]| {
             Picture::decode(bytes)
@@ -218,18 +218,18 @@ mod tests {
             let expected = MarkImage::new(2, vec![0.0, 1.0]);
             assert_eq!(format!("{:?}", Some(red(&bytes))), format!("{expected:?}"));
         }
-        let grey = png(
+        let gray = png(
             ColorType::GrayscaleAlpha,
             BitDepth::Eight,
             [2, 1],
             &[255, 0, 0, 0],
         );
-        let grey = Picture::decode(&grey)
+        let gray = Picture::decode(&gray)
             .unwrap()
             .of_color(Color::Dark)
             .unwrap();
         assert_eq!(
-            format!("{grey:?}"),
+            format!("{gray:?}"),
             format!("{:?}", MarkImage::new(2, vec![0.0, 1.0]).unwrap())
         );
     }

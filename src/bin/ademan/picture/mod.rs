@@ -42,7 +42,7 @@ pub struct Args {
     /// Write the boards and targets with their geometry in metres, for programs; - is standard output
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
-    /// Colour the targets of --svg, --png or --pdf by a result of `ademan lab score`: how often they were missed
+    /// Color the targets of --svg, --png or --pdf by a result of `ademan lab score`: how often they were missed
     #[arg(long, value_name = "RESULT.json")]
     heat: Option<PathBuf>,
     /// Replace files that exist
@@ -83,7 +83,7 @@ pub fn show(args: &Args) -> Result<(), Failure> {
     let pictures = [&args.svg, &args.png, &args.pdf];
     if args.heat.is_some() && pictures.iter().all(|target| target.is_none()) {
         return Err(Failure::wrong_use(
-            "--heat colours a picture; name its file with --svg, --png or --pdf",
+            "--heat colors a picture; name its file with --svg, --png or --pdf",
         ));
     }
     if targets.iter().all(|target| target.is_none()) {
@@ -177,7 +177,7 @@ fn svg(layout: &Layout, wearer: &Wearer) -> Result<String, Failure> {
     layout.to_svg(wearer).map_err(cannot_draw)
 }
 
-/// Returns a drawing of a layout with the colours of a result of the lab.
+/// Returns a drawing of a layout with the colors of a result of the lab.
 fn heat_svg(
     layout: &Layout,
     wearer: &Wearer,
@@ -202,7 +202,7 @@ fn heat_svg(
         _ => "strokes that did not press what was meant",
     };
     let note = format!(
-        "In colour: {what}, of {}, source {}, seed {}",
+        "In color: {what}, of {}, source {}, seed {}",
         result.subjects(),
         result.source,
         result.seed

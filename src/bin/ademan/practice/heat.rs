@@ -1,4 +1,4 @@
-//! The keys that are hit worst, as colours on a drawing of the boards.
+//! The keys that are hit worst, as colors on a drawing of the boards.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ struct Heat {
     errors: usize,
 }
 
-/// Returns the drawing of the boards, with the keys of wrong characters in colours: yellow, and red from every third on. With
+/// Returns the drawing of the boards, with the keys of wrong characters in colors: yellow, and red from every third on. With
 /// `finds_letters` a multitap key types all its letters.
 pub fn draw(layout: &Layout, characters: &[CharacterScore], finds_letters: bool) -> String {
     let look = Look::from_environment();

@@ -1,4 +1,4 @@
-//! Colours and characters, as the environment asks for them: `NO_COLOR`, `CLICOLOR`, `CLICOLOR_FORCE`, `TERM` and the
+//! Colors and characters, as the environment asks for them: `NO_COLOR`, `CLICOLOR`, `CLICOLOR_FORCE`, `TERM` and the
 //! locale.
 
 use std::borrow::Cow;

@@ -175,7 +175,7 @@ impl Painter {
         Ok(())
     }
 
-    /// Returns the last picture without messages, which are printed too, and without colours.
+    /// Returns the last picture without messages, which are printed too, and without colors.
     fn last_picture(&self, view: &View) -> String {
         let (columns, rows) = ratatui::crossterm::terminal::size().unwrap_or((80, 24));
         let area = Rect::new(0, 0, columns, rows);

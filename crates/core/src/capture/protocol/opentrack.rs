@@ -1,7 +1,7 @@
 //! Poses of opentrack: datagrams of six doubles in the byte order of a PC.
 //!
 //! The numbers are the position along X, Y and Z in centimetres, then yaw, pitch and roll in degrees. They are measured
-//! from the pose that opentrack was centred on, and displace the wrist or the elbow from its pose at rest. X points to the
+//! from the pose that opentrack was centered on, and displace the wrist or the elbow from its pose at rest. X points to the
 //! right, Y up and Z backwards; yaw turns to the left, pitch up, and roll lowers the left side. Opentrack inverts an axis on request.
 //!
 //! A datagram that does not have exactly [`PACKET_BYTES`] bytes is not a packet.

@@ -44,19 +44,19 @@ pub struct Trunk {
     pub hips: [DVec3; Side::COUNT],
 }
 
-/// The size of the image in which normalised landmarks were found, in pixels.
+/// The size of the image in which normalized landmarks were found, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageSize {
-    /// The width, by which x and z are divided in normalised coordinates.
+    /// The width, by which x and z are divided in normalized coordinates.
     pub width: f64,
     /// The height, by which y is divided.
     pub height: f64,
 }
 
 impl ImageSize {
-    /// Converts a normalised position to pixels.
-    pub fn to_pixels(self, normalised: DVec3) -> DVec3 {
-        normalised * DVec3::new(self.width, self.height, self.width)
+    /// Converts a normalized position to pixels.
+    pub fn to_pixels(self, normalized: DVec3) -> DVec3 {
+        normalized * DVec3::new(self.width, self.height, self.width)
     }
 }
 

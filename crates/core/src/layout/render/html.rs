@@ -7,7 +7,7 @@ use super::wearer::Wearer;
 use crate::layout::model::Layout;
 use crate::message::escape_markup;
 
-/// The style of the page. The colours of the drawings are in the style sheet that follows.
+/// The style of the page. The colors of the drawings are in the style sheet that follows.
 const STYLE: &str = "\
 :root{color-scheme:light dark}
 body{margin:1.5rem auto;padding:0 1rem;max-width:70rem;font:1rem/1.45 sans-serif;background:$ground;color:$ink}
@@ -35,7 +35,7 @@ impl Layout {
 
     fn write_html(&self, parts: &[Part], page: &mut String) -> std::fmt::Result {
         let name = escape_markup(&self.name);
-        let style = super::svg::coloured(STYLE) + &self.layer_rules();
+        let style = super::svg::colored(STYLE) + &self.layer_rules();
         writeln!(
             page,
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\

@@ -42,7 +42,7 @@ pub struct CanvasScene<'a> {
     pub selected: &'a Selection,
     /// The outlines of items with an error.
     pub faulty: &'a [ItemShape],
-    /// The strengths of a colour over the items, 0..=1, in their order; items without one have none.
+    /// The strengths of a color over the items, 0..=1, in their order; items without one have none.
     pub heats: &'a [f32],
     /// Items that are pressed at present.
     pub pressed: &'a [usize],
@@ -398,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn an_item_that_is_often_missed_has_a_colour() {
+    fn an_item_that_is_often_missed_has_a_color() {
         let items = [square(0.0, 0.0), square(19.0, 0.0)];
         let (nothing, still) = (Selection::default(), Preview::default());
         let heated = |heats: &[f32]| {
@@ -418,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn a_control_that_is_often_missed_has_the_colour_in_its_front() {
+    fn a_control_that_is_often_missed_has_the_color_in_its_front() {
         let layout = Layout::load("mixer").unwrap();
         let controls = BoardItems::new(&layout, &layout.boards[0], 1.0).items;
         let colors = &SceneColors::DARK;

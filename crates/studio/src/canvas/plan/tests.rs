@@ -366,7 +366,7 @@ fn drawn_with(
     draw_plan(&scene, size, &SceneColors::LIGHT)
 }
 
-/// Returns `true` if something on the plan has the colour of faults.
+/// Returns `true` if something on the plan has the color of faults.
 fn is_red(editor: &LayoutEditor) -> bool {
     let pictures = drawn(editor, PlanView::Above);
     let fault = SceneColors::LIGHT.fault;

@@ -95,7 +95,7 @@ fn drop_stale_drag(ui: &egui::Ui, panel: &mut EditorPanel) {
 
 /// The drawings over the items, and below the board.
 pub(super) struct Over<'a> {
-    /// The strengths of a colour, by item.
+    /// The strengths of a color, by item.
     pub heats: &'a [f32],
     /// The words at the lower edge.
     pub hint: &'a str,

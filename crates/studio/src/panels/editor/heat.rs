@@ -1,4 +1,4 @@
-//! The board of the editor with a colour over each control, for the lab: it can be moved and zoomed, not edited.
+//! The board of the editor with a color over each control, for the lab: it can be moved and zoomed, not edited.
 
 use eframe::egui::{self, PointerButton, Sense};
 use parry3d::math::Vec2;
@@ -11,15 +11,15 @@ use crate::canvas::{Bounds, item_at};
 use crate::texts::text;
 use ademan_core::layout::Heat;
 
-/// The colours over a board.
+/// The colors over a board.
 pub struct BoardHeat<'a> {
-    /// The colours of the controls of the layout.
+    /// The colors of the controls of the layout.
     pub heats: &'a [Heat],
     /// The words at the lower edge.
     pub hint: &'a str,
 }
 
-/// Draws the board of the editor with colours, and the figures of the control below the pointer.
+/// Draws the board of the editor with colors, and the figures of the control below the pointer.
 pub fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelContext, heat: BoardHeat) {
     panel.update_items();
     let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());

@@ -1,4 +1,4 @@
-//! The board of the editor with a colour over each control: how often it was missed.
+//! The board of the editor with a color over each control: how often it was missed.
 
 use eframe::egui;
 

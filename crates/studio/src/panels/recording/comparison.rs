@@ -101,7 +101,7 @@ fn show_counts(ui: &mut egui::Ui, presses: &Comparison) {
     });
 }
 
-/// Colours of the counts: same, only A, only B.
+/// Colors of the counts: same, only A, only B.
 const COLORS: [Color32; 3] = [SAME, ONLY_A, ONLY_B];
 
 fn show_rows(ui: &mut egui::Ui, compared: &Compared, player: &Player, moves: &mut Vec<Move>) {

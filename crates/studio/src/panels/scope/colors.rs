@@ -1,8 +1,8 @@
-//! Colours of the plots.
+//! Colors of the plots.
 
 use eframe::egui::{Color32, Visuals};
 
-/// Colours of lines and bars, which are told apart from each other and from the background.
+/// Colors of lines and bars, which are told apart from each other and from the background.
 #[derive(Clone, Copy)]
 pub struct PlotColors {
     /// Lines, in turn.
@@ -12,7 +12,7 @@ pub struct PlotColors {
 }
 
 impl PlotColors {
-    /// Returns the colours for a window.
+    /// Returns the colors for a window.
     pub const fn new(visuals: &Visuals) -> Self {
         if visuals.dark_mode {
             Self::DARK

@@ -61,7 +61,7 @@ fn a_rotation_is_converted_from_the_left_handed_frame_of_unity() {
     let frames = decode(&mut decoder(), &[osc::bundle(&[turn, time()])]);
     let hand = frames[0].right.get(ArmBone::Hand).expect("the hand");
     assert!((hand * glam::Vec3::NEG_Z).abs_diff_eq(glam::Vec3::X, 1e-6));
-    // A quaternion of another length is normalised.
+    // A quaternion of another length is normalized.
     let long_turn = bone("RightHand", [0.0, 20.0 * half, 0.0, 20.0 * half]);
     let long_frames = decode(&mut decoder(), &[osc::bundle(&[long_turn, time()])]);
     assert!(

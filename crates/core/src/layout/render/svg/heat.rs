@@ -1,4 +1,4 @@
-//! Boards with figures of their targets as colours.
+//! Boards with figures of their targets as colors.
 
 use super::canvas::Canvas;
 use super::controls::{draw_outline, placement};
@@ -8,22 +8,22 @@ use crate::contact::TargetId;
 use crate::layout::model::Layout;
 use crate::layout::render::wearer::Wearer;
 
-/// Number of steps of the colour.
+/// Number of steps of the color.
 const STEPS: f32 = 8.0;
 
-/// A figure of a target: a colour over its front.
+/// A figure of a target: a color over its front.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heat {
     /// The target.
     pub target: TargetId,
-    /// The strength of the colour, 0..=1; 0 is none.
+    /// The strength of the color, 0..=1; 0 is none.
     pub part: f32,
     /// The words that programs show as a tooltip and read aloud.
     pub words: String,
 }
 
 impl Layout {
-    /// Returns one SVG element for each board, without a style sheet, with colours over its targets. [`heat_style`] has the
+    /// Returns one SVG element for each board, without a style sheet, with colors over its targets. [`heat_style`] has the
     /// rules for them.
     pub fn to_heat_svgs(&self, heats: &[Heat]) -> Result<Vec<String>, TooManyShapes> {
         self.check_size()?;
@@ -32,7 +32,7 @@ impl Layout {
         Ok(drawings.collect())
     }
 
-    /// Returns a drawing of the boards, one below the other, with colours over their targets, below a note.
+    /// Returns a drawing of the boards, one below the other, with colors over their targets, below a note.
     pub fn to_heat_svg(
         &self,
         wearer: &Wearer,
@@ -66,15 +66,15 @@ fn draw(layout: &Layout, index: usize, wearer: &Wearer, heats: &[Heat]) -> Canva
     view
 }
 
-/// Returns the rules of drawings with colours: light, or dark where the reader prefers it. `rules` are added, in which `$role` stands
-/// for the colour of a role, as in the drawings.
+/// Returns the rules of drawings with colors: light, or dark where the reader prefers it. `rules` are added, in which `$role` stands
+/// for the color of a role, as in the drawings.
 pub fn heat_style(rules: &str) -> String {
     let steps = (0..=STEPS as u32).map(|step| {
         let opacity = f64::from(step) / f64::from(STEPS) * 0.75;
         format!(".heat-{step}{{fill-opacity:{opacity:.2}}}\n")
     });
     let heat = ".heat{fill:$warn}\n".to_owned() + &steps.collect::<String>();
-    super::coloured(&(rules.to_owned() + &heat)) + &super::sheet()
+    super::colored(&(rules.to_owned() + &heat)) + &super::sheet()
 }
 
 #[cfg(test)]
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_target_has_its_colour_and_its_words_and_the_others_have_none() {
+    fn a_target_has_its_color_and_its_words_and_the_others_have_none() {
         let shipped = Layout::shipped().expect("valid layouts");
         let (_, layout) = shipped
             .into_iter()

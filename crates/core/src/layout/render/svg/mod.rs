@@ -30,7 +30,7 @@ use crate::message::escape_markup;
 pub use self::canvas::{Canvas, Placement};
 pub use self::controls::{draw_fitted, draw_label, draw_outline, label_half, on_page, text_room};
 pub use self::heat::{Heat, heat_style};
-pub(super) use self::style::{coloured, sheet};
+pub(super) use self::style::{colored, sheet};
 
 /// Blank space around the drawing, in millimetres.
 const MARGIN: f32 = 8.0;

@@ -1,36 +1,36 @@
-//! Colours for a light and for a dark ground, and the style sheet.
+//! Colors for a light and for a dark ground, and the style sheet.
 
-/// A colour of one role on a light and on a dark ground.
-struct Colour {
+/// A color of one role on a light and on a dark ground.
+struct Color {
     role: &'static str,
     light: &'static str,
     dark: &'static str,
 }
 
-const fn colour(role: &'static str, light: &'static str, dark: &'static str) -> Colour {
-    Colour { role, light, dark }
+const fn color(role: &'static str, light: &'static str, dark: &'static str) -> Color {
+    Color { role, light, dark }
 }
 
-/// All colours. A text has a contrast of at least 4.5 with what it stands on, as WCAG 2.2 asks for.
+/// All colors. A text has a contrast of at least 4.5 with what it stands on, as WCAG 2.2 asks for.
 #[rustfmt::skip]
-const COLOURS: &[Colour] = &[
-    colour("ground", "#ffffff", "#0f172a"),
-    colour("panel",  "#e8edf3", "#1b2537"),
-    colour("edge",   "#94a3b8", "#64748b"),
-    colour("ink",    "#0f172a", "#f1f5f9"),
-    colour("muted",  "#475569", "#a9b6c8"),
-    colour("skirt",  "#b8c4d3", "#0b1220"),
-    colour("cap",    "#ffffff", "#334155"),
-    colour("tinted", "#dbe7fb", "#27406b"),
-    colour("well",   "#d3dce7", "#111a2b"),
-    colour("metal",  "#334155", "#cbd5e1"),
-    colour("accent", "#1d4ed8", "#8ab4ff"),
-    colour("paper",  "#ffffff", "#0f172a"),
-    colour("warn",   "#b3261e", "#ff9d94"),
-    colour("reach",  "#15803d", "#4ade80"),
+const COLORS: &[Color] = &[
+    color("ground", "#ffffff", "#0f172a"),
+    color("panel",  "#e8edf3", "#1b2537"),
+    color("edge",   "#94a3b8", "#64748b"),
+    color("ink",    "#0f172a", "#f1f5f9"),
+    color("muted",  "#475569", "#a9b6c8"),
+    color("skirt",  "#b8c4d3", "#0b1220"),
+    color("cap",    "#ffffff", "#334155"),
+    color("tinted", "#dbe7fb", "#27406b"),
+    color("well",   "#d3dce7", "#111a2b"),
+    color("metal",  "#334155", "#cbd5e1"),
+    color("accent", "#1d4ed8", "#8ab4ff"),
+    color("paper",  "#ffffff", "#0f172a"),
+    color("warn",   "#b3261e", "#ff9d94"),
+    color("reach",  "#15803d", "#4ade80"),
 ];
 
-/// The rules. `$role` stands for the colour of a role.
+/// The rules. `$role` stands for the color of a role.
 const RULES: &str = "\
 .ground{fill:$ground}
 .panel{fill:$panel;stroke:$edge;stroke-width:.25}
@@ -71,20 +71,20 @@ text{font-family:sans-serif}
 
 /// Returns the style sheet of a picture: light, or dark where the reader prefers it.
 pub fn sheet() -> String {
-    coloured(RULES)
+    colored(RULES)
 }
 
-/// Returns rules for a light ground, and for a dark one where the reader prefers it. `$role` stands for the colour of a role.
-pub fn coloured(rules: &str) -> String {
-    let light = with_colours(rules, |colour| colour.light);
-    let dark = with_colours(rules, |colour| colour.dark);
+/// Returns rules for a light ground, and for a dark one where the reader prefers it. `$role` stands for the color of a role.
+pub fn colored(rules: &str) -> String {
+    let light = with_colors(rules, |color| color.light);
+    let dark = with_colors(rules, |color| color.dark);
     format!("{light}@media (prefers-color-scheme:dark){{\n{dark}}}\n")
 }
 
-fn with_colours(rules: &str, value: impl Fn(&Colour) -> &'static str) -> String {
+fn with_colors(rules: &str, value: impl Fn(&Color) -> &'static str) -> String {
     let mut rules = rules.to_owned();
-    for colour in COLOURS {
-        rules = rules.replace(&format!("${}", colour.role), value(colour));
+    for color in COLORS {
+        rules = rules.replace(&format!("${}", color.role), value(color));
     }
     rules
 }
@@ -93,10 +93,10 @@ fn with_colours(rules: &str, value: impl Fn(&Colour) -> &'static str) -> String 
 mod tests {
     use super::*;
 
-    /// Returns the relative luminance of a colour `#rrggbb`, as WCAG 2.2 defines it.
-    fn luminance(colour: &str) -> f64 {
+    /// Returns the relative luminance of a color `#rrggbb`, as WCAG 2.2 defines it.
+    fn luminance(color: &str) -> f64 {
         let channel = |at: usize| {
-            let value = u8::from_str_radix(&colour[at..at + 2], 16).expect("a colour");
+            let value = u8::from_str_radix(&color[at..at + 2], 16).expect("a color");
             let value = f64::from(value) / 255.0;
             if value <= 0.04045 {
                 value / 12.92
@@ -115,8 +115,8 @@ mod tests {
     #[test]
     fn every_text_stands_out_from_its_ground() {
         let of = |role: &str| {
-            let colour = COLOURS.iter().find(|colour| colour.role == role);
-            colour.expect("a role")
+            let color = COLORS.iter().find(|color| color.role == role);
+            color.expect("a role")
         };
         let pairs = [
             (
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn every_role_has_a_colour() {
+    fn every_role_has_a_color() {
         assert!(!sheet().contains('$'));
     }
 }

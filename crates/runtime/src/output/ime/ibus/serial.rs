@@ -67,15 +67,15 @@ pub(super) fn lookup_table(candidates: &Candidates) -> Structure<'static> {
 /// Returns the `IBusComponent` with the engine.
 pub(super) fn component() -> Structure<'static> {
     let version = env!("CARGO_PKG_VERSION");
-    let licence = env!("CARGO_PKG_LICENSE");
-    // Name, long name, description, language, licence, author, icon; `default` keeps the keymap.
+    let license = env!("CARGO_PKG_LICENSE");
+    // Name, long name, description, language, license, author, icon; `default` keeps the keymap.
     let mut engine = object("IBusEngineDesc");
     for field in [
         ENGINE,
         "Ademán",
         "Text of a hand in the air",
         "other",
-        licence,
+        license,
         "",
         "",
         "default",
@@ -87,13 +87,13 @@ pub(super) fn component() -> Structure<'static> {
     for field in ["", "", "", "", "", version, "", ""] {
         engine = engine.add_field(field);
     }
-    // Name, description, version, licence, author, home page, command line, text domain.
+    // Name, description, version, license, author, home page, command line, text domain.
     let mut component = object("IBusComponent");
     for field in [
         "org.freedesktop.IBus.Ademan",
         "Ademán",
         version,
-        licence,
+        license,
         "",
         "",
         "",

@@ -1,4 +1,4 @@
-//! Stand-in for systems on which network file systems are not recognised.
+//! Stand-in for systems on which network file systems are not recognized.
 
 use std::io;
 use std::path::Path;

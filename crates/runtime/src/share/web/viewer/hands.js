@@ -82,7 +82,7 @@ function drawChain({ points, radii, style, fades }, colors) {
   for (const [from, to] of bones) fill(capsule(from, to, 0), rounded(from, to, colors[style], colors));
 }
 
-/** Returns the colours across a round bone, which is lit from the upper left. */
+/** Returns the colors across a round bone, which is lit from the upper left. */
 function rounded([x1, y1, r1], [x2, y2, r2], color, colors) {
   const length = Math.hypot(x2 - x1, y2 - y1) || 1;
   const radius = Math.max(r1, r2);
@@ -97,7 +97,7 @@ function rounded([x1, y1, r1], [x2, y2, r2], color, colors) {
   return gradient;
 }
 
-/** Returns a colour that vanishes along a bone. */
+/** Returns a color that vanishes along a bone. */
 function faded([x1, y1], [x2, y2], color) {
   const gradient = context.createLinearGradient(x1, y1, x2, y2);
   gradient.addColorStop(0.25, color);

@@ -1,4 +1,4 @@
-// The canvas, and shapes and colours on it.
+// The canvas, and shapes and colors on it.
 
 export const canvas = document.getElementById("view");
 export const context = canvas.getContext("2d");
@@ -41,7 +41,7 @@ export function hull(points) {
 
 const area = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 
-/** Returns a colour between two, written as #rrggbb. */
+/** Returns a color between two, written as #rrggbb. */
 export function mix(from, to, t) {
   if (t <= 0) return from;
   const channel = (color, index) => parseInt(color.slice(1 + 2 * index, 3 + 2 * index), 16);
