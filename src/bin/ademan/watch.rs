@@ -13,7 +13,7 @@ use crate::{ctl, messages, pause_signals, signals};
 /// Show a running session in the terminal: boards, fingertips, values and messages
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan watch\n  ademan watch --socket /run/user/1000/sofa.sock\n\nIt shows everything that is typed, and changes nothing. Ctrl-C ends it, and the session goes on."
+    after_help = "Examples:\n  ademan watch\n  ademan watch --socket /run/user/1000/sofa.sock\n\nIt shows everything that is typed, and changes nothing. Ctrl-C ends it, and the session continues."
 )]
 pub struct Args {
     /// Control socket of the session. The default is the socket of `ademan run` without --control

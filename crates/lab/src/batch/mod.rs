@@ -106,7 +106,7 @@ impl HandBatch {
     /// block at all times, then of the second block, and so on. The blocks are distributed over `threads` threads; the
     /// result does not depend on their number.
     ///
-    /// The hands go on from the end of an earlier call.
+    /// The hands continue from the end of an earlier call.
     ///
     /// # Panics
     ///

@@ -182,7 +182,7 @@ impl SimulatedTypist {
     }
 
     /// Becomes another person, or one with other noise, at the end of the present step, or of the press to which that belongs. The
-    /// hands go on from where they are. `hands` are as at the start. Only for a person who plans while performing.
+    /// hands continue from where they are. `hands` are as at the start. Only for a person who plans while performing.
     pub fn change(
         &mut self,
         settings: &TypistSettings,

@@ -147,7 +147,7 @@ impl LineEncoder {
     }
 
     /// Writes a text line, which shows the first hand. Returns `false` while that hand is lost: a line has a number for each angle, so
-    /// that a receiver would go on with a hand that is not there.
+    /// a receiver would take them for a hand that is still there.
     fn write_text_line(
         &mut self,
         angles: &JointAngles,

@@ -50,7 +50,7 @@ impl<'a, const BYTES: usize> Table<'a, BYTES> {
         let increases = (0..last).all(|row| {
             table.key(row) < table.key(row + 1) && table.start(row) <= table.start(row + 1)
         });
-        // The last row only marks the end of the row before it.
+        // The last row only ends the one before it.
         if !increases || table.start(last) as usize != entries.len() / 4 || last >= CONTEXT {
             return Err(ModelError::Damaged("the order of the pairs of words"));
         }

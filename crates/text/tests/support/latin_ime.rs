@@ -15,7 +15,7 @@ use ademan_text::{Keyboard, Tap};
 use super::baselines::read_words;
 use super::session::Phrase;
 
-/// The most hypotheses that go on after a tap.
+/// The most hypotheses that remain after a tap.
 const LIVE_NODES: usize = 310;
 /// The cost of a squared distance of one key width.
 const DISTANCE: f32 = 0.1524;

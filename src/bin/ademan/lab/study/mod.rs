@@ -39,7 +39,7 @@ pub enum StudyAction {
     New(NewArgs),
     /// Let a participant do the tasks that remain, or add practice sessions
     #[command(
-        after_help = "Examples:\n  ademan lab study add two-boards --participant P01 --source serial:/dev/ttyUSB0\n  ademan lab study add two-boards --participant P01 --practice\n\nEach trial is kept when it ends, with its recording, in files that only you can read. Ctrl-C ends the session; run the command again to go on with the next task."
+        after_help = "Examples:\n  ademan lab study add two-boards --participant P01 --source serial:/dev/ttyUSB0\n  ademan lab study add two-boards --participant P01 --practice\n\nEach trial is kept when it ends, with its recording, in files that only you can read. Ctrl-C ends the session; run the command again to continue with the next task."
     )]
     Add(Box<AddArgs>),
     /// Print the figures of a study, and write its trials as a table

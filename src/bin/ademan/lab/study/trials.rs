@@ -49,7 +49,7 @@ impl Trials {
                 let path = escape_path(&path);
                 let error = escape_line(&error);
                 Failure::wrong_use(format!(
-                    "cannot read the trial {path}: {error}; move it and the recording beside it to another folder to go on without them, as the next trial may have their number"
+                    "cannot read the trial {path}: {error}; move it and the recording beside it to another folder to continue without them, as the next trial may have their number"
                 ))
             };
             let text = outputs::read_text(&path).map_err(cannot)?;

@@ -40,7 +40,7 @@ impl SessionMessage {
             }
             Self::HasFocusAgain => "the session has the focus of the OpenXR runtime again",
             Self::Stopped => {
-                "the OpenXR runtime has stopped the session; put on the headset to go on"
+                "the OpenXR runtime has stopped the session; put on the headset to continue"
             }
             Self::NoHand => {
                 "no hand was tracked for 5 s; put down the controllers, and hold a hand in view of the headset"
