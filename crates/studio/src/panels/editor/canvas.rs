@@ -54,7 +54,9 @@ pub(super) fn operate(
     ui: &mut egui::Ui,
     panel: &mut EditorPanel,
 ) -> Option<(egui::Rect, Viewport)> {
-    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+    let (room, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+    let is_held = pointer::is_held(ui);
+    let area = pointer::steady_area(room, panel.canvas_size, is_held);
     let size = Vec2::new(area.width(), area.height());
     if size.min_element() < 1.0 {
         return None;
@@ -65,13 +67,12 @@ pub(super) fn operate(
     keep_arrow_keys(ui, &response);
     let bounds = Bounds::around(panel.items.items.iter().map(|item| &item.shape));
     let revision = panel.editor.revision();
-    let is_held = ui.input(|input| input.pointer.any_down());
     let mut viewport = panel.viewport.update(bounds, size, revision, is_held);
     let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
     let pans = pans(&response);
     move_view(ui, &response, &mut viewport, pans, to_local, size);
     panel.viewport.move_to(viewport);
-    if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
+    if let Some(at) = pointer::position(ui, &response, panel.is_dragging_on_canvas()) {
         let to_board = |point| viewport.to_board(to_local(point), size);
         handle_mouse(ui, panel, &response, (at, &to_board), viewport.scale);
         set_cursor(ui, panel, to_board(at), viewport.scale);

@@ -43,7 +43,7 @@ pub(super) struct PlanPanel {
     shown: Option<u64>,
     pub drag: Option<PlanDrag>,
     /// Size of the canvas in the last frame, in points.
-    size: Vec2,
+    size: Option<Vec2>,
     /// Something was added since the last frame.
     pub has_added: bool,
     /// Guides and rubber band of the drag.
@@ -190,7 +190,7 @@ impl EditorPanel {
             .plan
             .plan
             .extent(view, |part| selection.contains(&part));
-        let seen = self.plan.viewport().visible(Some(size));
+        let seen = self.plan.viewport().visible(size);
         if let (Some(added), Some(seen)) = (added, seen)
             && !(seen.min.cmple(added.min).all() && seen.max.cmpge(added.max).all())
         {
@@ -206,9 +206,9 @@ impl EditorPanel {
             .plan
             .plan
             .extent(view, |part| selection.contains(&part));
-        let is_drawn = size.min_element() > 0.0;
-        let bounds = bounds.filter(|_| is_drawn);
-        let chosen = bounds.map(|bounds| AreaViewport::fixed(Viewport::fit(bounds, size)));
+        let chosen = bounds
+            .zip(size)
+            .map(|(bounds, size)| AreaViewport::fixed(Viewport::fit(bounds, size)));
         *self.plan.viewport() = chosen.unwrap_or_default();
     }
 
@@ -259,12 +259,14 @@ pub(super) fn show_views(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 
 /// Shows the plan.
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelContext) {
-    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+    let (room, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+    let is_held = pointer::is_held(ui);
+    let area = pointer::steady_area(room, panel.plan.size, is_held);
     let size = Vec2::new(area.width(), area.height());
     if size.min_element() < 1.0 {
         return;
     }
-    panel.plan.size = size;
+    panel.plan.size = Some(size);
     panel.update_plan(context);
     panel.show_added_in_plan();
     let name = text("editor-plan-canvas");
@@ -274,7 +276,6 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     let view = panel.plan.view;
     let bounds = panel.plan.plan.extent(view, |_| true);
     let revision = panel.editor.revision();
-    let is_held = ui.input(|input| input.pointer.any_down());
     let mut viewport = panel
         .plan
         .viewport()
@@ -290,7 +291,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     if panel.plan.is_dragging() && pointer::is_touch_cancelled(ui) {
         panel.escape();
     }
-    if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
+    if let Some(at) = pointer::position(ui, &response, panel.plan.is_dragging()) {
         let to_picture = |point| viewport.to_board(to_local(point), size);
         for change in pointer::changes(ui) {
             let place = (to_picture(change.at), viewport.scale);

@@ -1,6 +1,6 @@
 //! The presses and releases of the primary button on a canvas. On a slow machine, several of them and movements come with one frame.
 
-use eframe::egui::{self, Event, Modifiers, PointerButton, Pos2, TouchPhase};
+use eframe::egui::{self, Event, Modifiers, PointerButton, Pos2, Rect, Response, TouchPhase};
 use parry3d::math::Vec2;
 
 /// Longest way of a click, in points, as in egui.
@@ -32,8 +32,29 @@ pub(super) fn changes(ui: &egui::Ui) -> Vec<ButtonChange> {
     ui.input(|input| input.events.iter().filter_map(change).collect())
 }
 
+/// Returns `true` while a button is down, and in the frame of its release.
+pub(super) fn is_held(ui: &egui::Ui) -> bool {
+    ui.input(|input| input.pointer.any_down() || input.pointer.any_released())
+}
+
+/// Returns the area that a canvas shows. While a button is held, it has the last size: a panel beside the canvas that becomes wider does
+/// not move what is dragged.
+pub(super) fn steady_area(area: Rect, last: Option<Vec2>, is_held: bool) -> Rect {
+    match last {
+        Some(size) if is_held => Rect::from_min_size(area.min, egui::vec2(size.x, size.y)),
+        _ => area,
+    }
+}
+
+/// Returns the position of the mouse on a canvas or, during a drag, anywhere.
+pub(super) fn position(ui: &egui::Ui, response: &Response, is_dragging: bool) -> Option<Pos2> {
+    let anywhere = || ui.input(|input| input.pointer.latest_pos());
+    let on_canvas = response.interact_pointer_pos().or(response.hover_pos());
+    on_canvas.or_else(|| is_dragging.then(anywhere).flatten())
+}
+
 /// Returns `true` if a press is on a canvas and not on something over it.
-pub(super) fn is_on(response: &egui::Response, press: &ButtonChange) -> bool {
+pub(super) fn is_on(response: &Response, press: &ButtonChange) -> bool {
     response.contains_pointer() && response.rect.contains(press.at)
 }
 
