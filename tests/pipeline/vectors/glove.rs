@@ -4,6 +4,7 @@ use ademan::capture::{Channels, Reading, Sample};
 use ademan::document::Document;
 use ademan::estimate::{
     AffineMap, ChannelMap, Estimate, Estimator, EstimatorSettings, JointAngles, Smoothing,
+    divider_voltage,
 };
 use ademan::files::Load;
 use ademan::hand::{Dof, Finger, Joint};
@@ -144,7 +145,7 @@ pub fn pipeline(file: &Value) -> usize {
         as_coded(case, &file["tolerance"]);
         cases += list(&case["frames"]).len();
     }
-    cases + linear(file) + fit(file)
+    cases + linear(file) + fit(file) + divider(file)
 }
 
 /// Checks the corrected filters. Each row has its own estimator, because several rows share an angle.
@@ -261,6 +262,17 @@ fn fit(file: &Value) -> usize {
         let map = fitted.expect("poses with a solution");
         assert_close(map.gain, number(&case["factor"]), tolerance, "fit");
         assert_close(map.offset, number(&case["offset"]), tolerance, "fit");
+    }
+    cases.len()
+}
+
+fn divider(file: &Value) -> usize {
+    let tolerance = number(&file["tolerance"]["divider"]);
+    let cases = list(&file["divider"]);
+    for case in cases {
+        let value = |name: &str| number(&case[name]);
+        let volt = divider_voltage(value("r1_kohm"), value("r2_kohm"), value("supply_volt"));
+        assert_close(volt, value("vx_volt"), tolerance, "divider");
     }
     cases.len()
 }

@@ -42,6 +42,12 @@ impl Linearity {
     }
 }
 
+/// Returns the voltage of a bend sensor R2 to ground in a divider with the fixed resistor R1 to the supply: Vx = R2 · V / (R1 + R2).
+/// Both resistances have the same unit, 0 or more, and not both are 0.
+pub fn divider_voltage(fixed_resistance: f64, sensor_resistance: f64, supply_volt: f64) -> f64 {
+    sensor_resistance * supply_volt / (fixed_resistance + sensor_resistance)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

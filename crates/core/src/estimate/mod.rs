@@ -39,7 +39,7 @@ pub use hand_estimator::HandEstimator;
 pub(crate) use last_seen::LastSeen;
 pub use learned_range::LearnedRange;
 pub use limits::JointLimits;
-pub use linearity::Linearity;
+pub use linearity::{Linearity, divider_voltage};
 pub use one_euro::{OneEuroFilter, OneEuroSettings};
 pub use plausibility::Implausible;
 pub use position_filter::{LANDMARK_SMOOTHING, MARKER_SMOOTHING};

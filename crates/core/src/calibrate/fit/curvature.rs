@@ -117,7 +117,7 @@ pub(super) fn range(points: &[Point]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::Linearity;
+    use crate::estimate::{Linearity, divider_voltage};
 
     fn point(x: f64, y: f64) -> Point {
         Point {
@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn the_divider_is_above_its_line_by_the_stated_fraction() {
         for (r, q) in [(1.0, 2.5), (2.2, 2.0), (4.7, 1.5)] {
-            let volt = |resistance: f64| resistance / (r + resistance);
+            let volt = |resistance: f64| divider_voltage(r, resistance, 1.0);
             let (low, high) = (volt(1.0), volt(q));
             let middle = volt((1.0 + q) / 2.0);
             let above = (middle - (low + high) / 2.0) / (high - low);

@@ -2,7 +2,7 @@
 
 use super::between;
 use crate::capture::{Channels, MAX_CHANNELS};
-use crate::estimate::{ChannelMap, JointLimits};
+use crate::estimate::{ChannelMap, JointLimits, divider_voltage};
 use crate::hand::{Dof, JointAngles};
 use crate::sim::noise::gaussian;
 
@@ -231,7 +231,7 @@ impl Sensor {
     fn count(&self, fraction: f64) -> f64 {
         let volt = |bend: f64| {
             let resistance = 1.0 + (self.bent_resistance - 1.0) * bend;
-            resistance / (self.fixed_resistance + resistance)
+            divider_voltage(self.fixed_resistance, resistance, 1.0)
         };
         let (low, high) = (volt(0.0), volt(1.0));
         let part = (volt(fraction) - low) / (high - low);
