@@ -5,15 +5,15 @@ use ademan::hand::Side;
 use glam::DVec3;
 use serde_json::Value;
 
-use super::check::{assert_close, list, number, numbers, text};
+use super::check::{assert_close, list, number, numbers, text, tolerance_of};
 
 /// Checks the attributes of each pose, the pose of these attributes, and the pose of given attributes.
 pub fn attributes(file: &Value) -> usize {
     let cases = list(&file["cases"]);
     for case in cases {
         match text(&case["kind"]) {
-            "pose_to_attributes" => pose_to_attributes(case, &file["tolerance"]),
-            "attributes_to_pose" => attributes_to_pose(case, &file["tolerance"]),
+            "pose_to_attributes" => pose_to_attributes(case, file),
+            "attributes_to_pose" => attributes_to_pose(case, file),
             other => panic!("unknown kind {other}"),
         }
     }
@@ -27,20 +27,16 @@ pub fn full_rotation(file: &Value) -> usize {
         let side: Side = text(&case["side"]).parse().expect("a side");
         let what = format!("{side} {}", case["direction"]);
         let full = FullRotation::new(side, vector(&case["direction"])).expect("a direction");
-        assert_close(
-            full.psi,
-            number(&case["psi"]),
-            number(&file["tolerance"]["psi"]),
-            &what,
-        );
-        let tolerance = number(&file["tolerance"]["vector"]);
+        let psi_tolerance = tolerance_of(case, file, "psi");
+        assert_close(full.psi, number(&case["psi"]), psi_tolerance, &what);
+        let tolerance = tolerance_of(case, file, "vector");
         assert_vector(full.forearm, vector(&case["forearm"]), tolerance, &what);
         assert_vector(full.normal, vector(&case["normal"]), tolerance, &what);
     }
     cases.len()
 }
 
-fn pose_to_attributes(case: &Value, tolerance: &Value) {
+fn pose_to_attributes(case: &Value, file: &Value) {
     let name = text(&case["name"]);
     let image = image(case);
     let pose = half_pose(&case["half_pose"], image);
@@ -48,18 +44,22 @@ fn pose_to_attributes(case: &Value, tolerance: &Value) {
         .iter()
         .map(|&side| ArmAttributes::from_landmarks(&pose, side))
         .collect::<Result<Vec<_>, _>>();
-    let attributes = match (computed, case["error"].is_string()) {
-        (Ok(attributes), false) => attributes,
-        (Err(_), true) => return,
-        (computed, _) => panic!("{name}: {computed:?}, not {}", case["error"]),
-    };
-    let angle_tolerance = case["tolerance"]
-        .get("angle")
-        .unwrap_or(&tolerance["angle"]);
+    if let Some(error) = case["error"].as_str() {
+        // An error of one arm names its side first.
+        let side = Side::ALL.iter().find(|side| error.starts_with(side.name()));
+        let refused = match side {
+            Some(&side) => ArmAttributes::from_landmarks(&pose, side).is_err(),
+            None => computed.is_err(),
+        };
+        assert!(refused, "{name}: {error}");
+        return;
+    }
+    let attributes = computed.unwrap_or_else(|error| panic!("{name}: {error}"));
+    let tolerance = |quantity: &str| tolerance_of(case, file, quantity);
     for (&side, ours) in Side::ALL.iter().zip(&attributes) {
         let theirs = attributes_of(&case["attributes"], side);
         let what = format!("{name} {side}");
-        assert_attributes(ours, &theirs, tolerance, number(angle_tolerance), &what);
+        assert_attributes(ours, &theirs, tolerance, &what);
     }
     if case["round_trip"] == true {
         let again = HalfPose::from_attributes(&pose.trunk(), &[attributes[0], attributes[1]]);
@@ -71,7 +71,7 @@ fn pose_to_attributes(case: &Value, tolerance: &Value) {
     }
 }
 
-fn attributes_to_pose(case: &Value, tolerance: &Value) {
+fn attributes_to_pose(case: &Value, file: &Value) {
     let image = image(case);
     let rows = list(&case["trunk"]);
     let trunk_row = |row: usize| image.to_pixels(vector(&rows[row]));
@@ -83,7 +83,7 @@ fn attributes_to_pose(case: &Value, tolerance: &Value) {
     let pose = HalfPose::from_attributes(&trunk, &attributes).expect("a pose");
     let expected = list(&case["half_pose"]).iter().map(vector);
     for (ours, theirs) in pose.rows().into_iter().zip(expected) {
-        let tolerance = number(&tolerance["pose_normalised"]);
+        let tolerance = tolerance_of(case, file, "pose_normalised");
         let normalised = ours / DVec3::new(image.width, image.height, image.width);
         assert_vector(normalised, theirs, tolerance, text(&case["name"]));
     }
@@ -92,14 +92,12 @@ fn attributes_to_pose(case: &Value, tolerance: &Value) {
 fn assert_attributes(
     ours: &ArmAttributes,
     theirs: &ArmAttributes,
-    tolerance: &Value,
-    angle_tolerance: f64,
+    tolerance: impl Fn(&str) -> f64,
     what: &str,
 ) {
-    let direction_tolerance = number(&tolerance["direction"]);
     let (direction, expected) = (ours.shoulder_direction, theirs.shoulder_direction);
-    assert_vector(direction, expected, direction_tolerance, what);
-    let relative = number(&tolerance["length_relative"]);
+    assert_vector(direction, expected, tolerance("direction"), what);
+    let relative = tolerance("length_relative");
     for (our_length, their_length, length) in [
         (ours.upper_arm_length, theirs.upper_arm_length, "upper arm"),
         (ours.forearm_length, theirs.forearm_length, "forearm"),
@@ -129,17 +127,21 @@ fn assert_attributes(
         assert_close(
             our_angle,
             their_angle,
-            angle_tolerance,
+            tolerance("angle"),
             &format!("{what} {angle}"),
         );
     }
-    let finger_tolerance = number(&tolerance["finger_vector_px"]);
     for (our_vector, their_vector) in [
         (ours.little_vector, theirs.little_vector),
         (ours.index_vector, theirs.index_vector),
         (ours.thumb_vector, theirs.thumb_vector),
     ] {
-        assert_vector(our_vector, their_vector, finger_tolerance, what);
+        assert_vector(
+            our_vector,
+            their_vector,
+            tolerance("finger_vector_px"),
+            what,
+        );
     }
 }
 

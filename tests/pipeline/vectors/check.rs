@@ -21,6 +21,13 @@ pub fn text(value: &Value) -> &str {
     value.as_str().expect("a string")
 }
 
+/// Returns the tolerance of a case, or else of the file: a number, or a table by quantity.
+pub fn tolerance_of(case: &Value, file: &Value, quantity: &str) -> f64 {
+    let own = &case["tolerance"];
+    let tolerance = own.as_f64().or_else(|| own[quantity].as_f64());
+    tolerance.unwrap_or_else(|| number(&file["tolerance"][quantity]))
+}
+
 pub fn bytes(hex: &Value) -> Vec<u8> {
     let hex = text(hex);
     (0..hex.len())

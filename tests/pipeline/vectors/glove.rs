@@ -38,11 +38,14 @@ fn arm() -> ArmModel {
     ArmModel::new(shipped.side(), links, Pose::IDENTITY, 0.005).expect("the same links")
 }
 
+fn link_named<'a>(arm: &'a ArmModel, name: &str) -> &'a Link {
+    let mut links = arm.links().iter();
+    let found = links.find(|link| link.name == name);
+    found.unwrap_or_else(|| panic!("no link {name}"))
+}
+
 fn dof_of(arm: &ArmModel, link: &str) -> Dof {
-    let found = arm.links().iter().find(|other| other.name == link);
-    found
-        .and_then(|found_link| found_link.dof)
-        .unwrap_or_else(|| panic!("no link {link}"))
+    link_named(arm, link).dof.expect("a joint")
 }
 
 fn reading(number: u64, body: &[u8]) -> Reading {
@@ -83,17 +86,18 @@ pub fn channels(file: &Value) -> usize {
     let (map, arm) = (full_map(), arm());
     let elements = list(&file["elements"]);
     assert_eq!(map.rows().len(), elements.len());
-    for (row, element) in map.rows().iter().zip(elements) {
+    for (order, (row, element)) in map.rows().iter().zip(elements).enumerate() {
+        assert_eq!(order as f64, number(&element["order"]));
         let label = element["label"].as_str().unwrap_or("");
         assert_eq!(row.label, label);
-        assert_eq!(row.dof, dof_of(&arm, text(&element["link"])), "{label}");
+        let link = link_named(&arm, text(&element["link"]));
+        assert_eq!(Some(row.dof), link.dof, "{label}");
+        assert_eq!(link.axis, axis(&element["axis"]), "{label}");
         assert_eq!(row.channel as f64, number(&element["channel"]), "{label}");
-        assert_close(
-            row.calibration.gain,
-            number(&element["factor"]),
-            tolerance,
-            label,
-        );
+        let gain = number(&element["factor_numerator_over_255"]) / 255.0;
+        for factor in [gain, number(&element["factor"])] {
+            assert_close(row.calibration.gain, factor, tolerance, label);
+        }
         for count in [0.0, 100.0, 255.0] {
             let wanted = number(&element["initial_rotation"])
                 + (count + number(&element["offset"])) * number(&element["factor"]);
@@ -107,7 +111,9 @@ pub fn channels(file: &Value) -> usize {
     }
     let maya = list(&file["maya"]);
     for row in maya {
-        maya_value(row, 0.0);
+        let channel = number(&row["channel"]);
+        let mut channels = map.rows().iter().map(|read| read.channel as f64);
+        assert!(channels.any(|used| used == channel), "{row}");
     }
     list(&file["wire"]).len() + elements.len() + links.len() + maya.len()
 }
@@ -117,14 +123,18 @@ fn assert_link(arm: &ArmModel, ours: &Link, theirs: &Value) {
     let parent = ours.parent.map(|index| arm.links()[index].name.as_str());
     assert_eq!(parent, theirs["parent"].as_str(), "{}", ours.name);
     assert_position(ours.offset, &theirs["offset"], F32_CM, &ours.name);
-    let axis = match text(&theirs["axis"]) {
-        "x" => Vec3::X,
-        "y" => Vec3::Y,
-        _ => Vec3::Z,
-    };
-    assert_eq!(ours.axis, axis, "{}", ours.name);
+    assert_eq!(ours.axis, axis(&theirs["axis"]), "{}", ours.name);
     let length = f64::from(ours.length) * 100.0;
     assert_close(length, number(&theirs["length"]), F32_CM, &ours.name);
+}
+
+fn axis(name: &Value) -> Vec3 {
+    match text(name) {
+        "x" => Vec3::X,
+        "y" => Vec3::Y,
+        "z" => Vec3::Z,
+        other => panic!("no axis {other}"),
+    }
 }
 
 /// Evaluates a row of the Maya script: value = count × 360 / 255, attribute = value × scale + offset.
@@ -191,18 +201,12 @@ fn as_coded(case: &Value, tolerance: &Value) {
             fed_back[row.channel] = (y, newer);
             assert_close(y, angle, number(&tolerance["angles_rad"]), name);
         }
-        let line = frame["as_coded_line_degrees"]
-            .as_object()
-            .expect("channels");
-        for (channel, degrees) in line {
-            let channel: usize = channel.parse().expect("a channel");
-            let ours = fed_back[channel].0.to_degrees();
-            assert_close(
-                ours,
-                number(degrees),
-                number(&tolerance["line_degrees"]),
-                name,
-            );
+        let line = &frame["as_coded_line_degrees"];
+        for (channel, (newest, _)) in fed_back.iter().enumerate() {
+            // A channel without a row is 0.
+            let degrees = line[channel.to_string()].as_f64().unwrap_or(0.0);
+            let tolerance = number(&tolerance["line_degrees"]);
+            assert_close(newest.to_degrees(), degrees, tolerance, name);
         }
         let values: Vec<f64> = slipped.iter().map(|count| *count as f64).collect();
         for (row, value) in maya_rows.iter().zip(numbers(&frame["c_server_maya"])) {
@@ -316,12 +320,13 @@ pub fn forward_kinematics(file: &Value) -> usize {
     cases.len()
 }
 
-/// Checks a rotation matrix. An error of 1e-6 moves the hand, at most 0.57 m from the shoulder, by 0.6 µm.
+/// Checks a rotation matrix. Eight links that all turn by a quarter or half a turn add up `f32` rounding of 2.3e-6. An error of 1e-6 moves
+/// the hand, at most 0.57 m from the shoulder, by 0.6 µm.
 fn assert_rotation(pose: &Pose, rows: &Value, name: &str) {
     let matrix = parry3d::math::Mat3::from_quat(pose.rotation);
     for (index, row) in list(rows).iter().enumerate() {
         for (ours, theirs) in matrix.row(index).to_array().iter().zip(numbers(row)) {
-            assert_close(f64::from(*ours), theirs, 2e-6, name);
+            assert_close(f64::from(*ours), theirs, 4e-6, name);
         }
     }
 }
@@ -340,6 +345,7 @@ pub fn end_to_end(file: &Value) -> usize {
         });
         decoder.finish(&mut |packet| bodies.push(body(&packet.sample).expect("channels")));
         let frames = list(&case["frames"]);
+        assert_eq!(bodies.len() as f64, number(&case["n_frames"]), "{name}");
         assert_eq!(bodies.len(), frames.len(), "{name}");
         let mut estimator = estimator(full_map());
         for (number, (body, wanted)) in bodies.iter().zip(frames).enumerate() {

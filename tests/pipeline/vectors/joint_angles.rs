@@ -5,7 +5,7 @@ use ademan::geometry::{EulerOrder, rotation_between};
 use glam::{DMat3, DVec3};
 use serde_json::Value;
 
-use super::check::{assert_close, list, number, numbers, text};
+use super::check::{assert_close, list, number, numbers, text, tolerance_of};
 
 /// The cosine of the middle angle below which the last angle is 0.
 const GIMBAL_COSINE: f64 = 1e-6;
@@ -14,33 +14,37 @@ const GIMBAL_COSINE: f64 = 1e-6;
 pub fn rotations(file: &Value) -> usize {
     let (between, euler) = (list(&file["between"]), list(&file["euler"]));
     for case in between {
-        check_between(case, &file["tolerance"]);
+        check_between(case, file);
     }
     for case in euler {
-        check_euler(case, &file["tolerance"]);
+        check_euler(case, file);
     }
     between.len() + euler.len()
 }
 
-fn check_between(case: &Value, tolerance: &Value) {
+fn check_between(case: &Value, file: &Value) {
     let name = text(&case["name"]);
     let (from, to) = (vector(&case["a"]), vector(&case["b"]));
     let rotation = rotation_between(from, to);
-    if text(&case["status"]) == "degenerate" {
-        assert_eq!(rotation, None, "{name}");
-        return;
-    }
-    let rotation = rotation.unwrap_or_else(|| panic!("{name}: no rotation"));
-    let tolerance = number(tolerance_of(case, tolerance, "rotation"));
+    let status = match &rotation {
+        None => "degenerate",
+        Some(matrix) if *matrix == DMat3::IDENTITY => "parallel",
+        // Only half a turn is its own inverse.
+        Some(matrix) if *matrix == matrix.transpose() => "antiparallel",
+        Some(_) => "ok",
+    };
+    assert_eq!(status, text(&case["status"]), "{name}");
+    let Some(rotation) = rotation else { return };
+    let tolerance = tolerance_of(case, file, "rotation");
     assert_matrix(&rotation, &matrix(&case["rotation"]), tolerance, name);
 }
 
-fn check_euler(case: &Value, tolerance: &Value) {
+fn check_euler(case: &Value, file: &Value) {
     let name = text(&case["name"]);
     let order: EulerOrder = text(&case["order"]).parse().expect("an order");
     let rotation = matrix(&case["matrix"]);
     let angles = order.angles(&rotation).expect("a finite matrix");
-    let angle_tolerance = number(tolerance_of(case, tolerance, "angle"));
+    let angle_tolerance = tolerance_of(case, file, "angle");
     for (ours, theirs) in angles.into_iter().zip(numbers(&case["angles"])) {
         assert_angle(ours, theirs, angle_tolerance, name);
     }
@@ -96,14 +100,6 @@ fn assert_angle(ours: f64, theirs: f64, tolerance: f64, what: &str) {
     assert!(ours.abs() <= PI, "{what}: {ours}");
     let turn = TAU * ((ours - theirs) / TAU).round();
     assert_close(ours, theirs + turn, tolerance, what);
-}
-
-/// Returns the tolerance of a case, or of the file: a number, or a table by quantity.
-fn tolerance_of<'a>(case: &'a Value, file: &'a Value, quantity: &str) -> &'a Value {
-    match &case["tolerance"] {
-        own @ Value::Number(_) => own,
-        own => own.get(quantity).unwrap_or(&file[quantity]),
-    }
 }
 
 fn vector(value: &Value) -> DVec3 {

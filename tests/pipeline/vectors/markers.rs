@@ -6,7 +6,7 @@ use ademan::geometry::{angle_between, rotation_between};
 use glam::{DMat3, DVec3};
 use serde_json::Value;
 
-use super::check::{assert_close, list, number, numbers, text};
+use super::check::{assert_close, list, number, numbers, text, tolerance_of};
 
 /// Angle in radians below which two bones are in line: their axis is lost in rounding.
 const STRAIGHT: f64 = 1e-9;
@@ -23,16 +23,16 @@ pub(super) fn assert_vector(ours: DVec3, theirs: &Value, tolerance: f64, what: &
 
 /// Checks the closest points of two rays, and the pairs of observations.
 pub fn triangulation(file: &Value) -> usize {
-    let tolerance = number(&file["tolerance"]["absolute"]);
     let cases = list(&file["cases"]);
     for case in cases {
+        let tolerance = tolerance_of(case, file, "absolute");
         let ray =
             |camera: &str, image: &str| Ray::through(vector(&case[camera]), vector(&case[image]));
         assert_rays(case, &[ray("c1", "i1"), ray("c2", "i2")], tolerance);
     }
     let matching = list(&file["matching"]);
     for case in matching {
-        assert_pairs(case, tolerance);
+        assert_pairs(case, tolerance_of(case, file, "absolute"));
     }
     cases.len() + matching.len()
 }
@@ -43,7 +43,8 @@ fn assert_rays(case: &Value, rays: &[Ray; 2], tolerance: f64) {
     let wanted = match text(&case["status"]) {
         "parallel" => Err(RayError::Parallel),
         "degenerate" => Err(RayError::Degenerate),
-        _ => Ok(()),
+        "ok" => Ok(()),
+        other => panic!("{name}: unknown status {other}"),
     };
     assert_eq!(
         found.as_ref().map(|_| ()).map_err(|error| *error),
