@@ -18,9 +18,21 @@ pub fn unit(vector: DVec3) -> Option<DVec3> {
     Some((vector / largest).normalize())
 }
 
-/// Returns the angle between two directions in radians, 0..=π. The lengths do not matter.
+/// Returns the angle between two directions in radians, 0..=π; 0 if one is zero. The lengths do not matter.
 pub fn angle_between(first: DVec3, second: DVec3) -> f64 {
+    let (first, second) = (of_moderate_length(first), of_moderate_length(second));
     first.cross(second).length().atan2(first.dot(second))
+}
+
+/// Returns a vector of the same direction whose products with others neither vanish nor overflow; the vector itself if its length
+/// permits, so that its angles do not change by rounding.
+fn of_moderate_length(vector: DVec3) -> DVec3 {
+    let largest = vector.abs().max_element();
+    if largest == 0.0 || (1e-60..=1e60).contains(&largest) {
+        vector
+    } else {
+        vector / largest
+    }
 }
 
 #[cfg(test)]
@@ -35,6 +47,20 @@ mod tests {
         for invalid in [0.0, f64::NAN, f64::INFINITY] {
             assert_eq!(unit(DVec3::X * invalid), None);
         }
+    }
+
+    #[test]
+    fn an_angle_does_not_depend_on_the_lengths() {
+        let (first, second) = (DVec3::new(1.0, 0.25, 0.0), DVec3::new(-2.0, 1.0, 0.5));
+        let angle = 2.405_292_966_501_765;
+        for length in [1e-300, 1e-120, 1.0, 1e120, 1e300] {
+            for other in [1e-300, 1.0, 1e300] {
+                let found = angle_between(first * length, second * other);
+                assert!((found - angle).abs() < 1e-12, "{length} {other}: {found}");
+            }
+        }
+        assert_eq!(angle_between(DVec3::ZERO, DVec3::X), 0.0);
+        assert!(angle_between(DVec3::X, DVec3::NAN).is_nan());
     }
 
     #[test]
