@@ -635,10 +635,17 @@ pub const FAULTS: &[Row] = &[
         (BURSTS, "a_correction_deletes_nothing_after_a_press_of_another_device"),
         (BURSTS, "an_idle_thread_notices_a_press_of_another_device"),
     ])),
-    fault(111, "a tracker repeats its last positions, then measures the hand elsewhere", Tests(&[
+    fault(111, "a tracker repeats its last positions, also while keys are held, then measures the hand elsewhere", Tests(&[
         ("crates/core/src/estimate/repeated_positions.rs", "a_hand_that_is_elsewhere_after_its_positions_were_repeated_has_jumped"),
         ("tests/pipeline/repeated_positions.rs", "a_finger_that_appears_inside_a_key_has_to_leave_it_if_its_positions_were_repeated"),
         ("tests/pipeline/repeated_positions.rs", "a_hand_that_types_while_its_tracker_repeats_positions_presses_no_other_keys"),
         ("tests/pipeline/other_hand.rs", "a_board_whose_hand_was_repeated_presses_no_finger_where_it_appears"),
+        ("crates/core/src/estimate/repeated_positions.rs", "a_source_that_repeats_everything_for_more_than_5_s_is_stuck_until_something_changes"),
+        ("crates/core/src/estimate/fusion.rs", "a_hand_of_two_sources_is_stuck_if_both_repeat_positions_and_none_is_a_glove"),
+        ("tests/pipeline/repeated_positions.rs", "a_key_is_released_after_its_tracker_has_repeated_all_positions_for_5_s"),
+        ("tests/pipeline/repeated_positions.rs", "only_the_keys_of_the_hand_that_is_stuck_are_released"),
+        ("tests/pipeline/repeated_positions.rs", "a_hand_that_is_stuck_releases_all_that_it_holds_and_presses_nothing_until_it_has_left"),
+        ("tests/pipeline/repeated_positions.rs", "a_pinch_that_drags_is_released_and_moves_nothing_when_its_tracker_is_stuck"),
+        ("tests/pipeline/repeated_positions.rs", "a_glove_with_constant_counts_keeps_its_key"),
     ])),
 ];

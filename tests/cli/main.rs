@@ -84,6 +84,7 @@ mod simulated_hand;
 mod source_recordings;
 #[cfg(target_os = "linux")]
 mod start;
+mod stuck_tracker;
 mod terminal;
 mod text_line;
 mod traces;

@@ -192,7 +192,7 @@ fn a_hand_that_is_lost_jumps_or_is_bent_places_nothing() {
         .camera
         .pipeline
         .pause(CommandOrigin::Client, &mut events);
-    person.hold(3.0);
+    person.hold(2.0);
     person.camera.pipeline.resume(CommandOrigin::Client);
     assert_eq!(person.camera.keys(), "");
     person.place();

@@ -36,9 +36,17 @@ static NOTICES: LazyLock<Vec<(String, &'static str)>> = LazyLock::new(|| {
         notices.push((Notice::HandLost(Side::Left, loss), "notice-left-lost"));
         notices.push((Notice::HandLost(Side::Right, loss), "notice-right-lost"));
     }
-    let (left, right) = ("notice-left-too-fast", "notice-right-too-fast");
-    notices.push((Notice::HandLost(Side::Left, HandLoss::TooFast), left));
-    notices.push((Notice::HandLost(Side::Right, HandLoss::TooFast), right));
+    for (loss, left, right) in [
+        (
+            HandLoss::TooFast,
+            "notice-left-too-fast",
+            "notice-right-too-fast",
+        ),
+        (HandLoss::Stuck, "notice-left-stuck", "notice-right-stuck"),
+    ] {
+        notices.push((Notice::HandLost(Side::Left, loss), left));
+        notices.push((Notice::HandLost(Side::Right, loss), right));
+    }
     let notices = notices.into_iter();
     notices
         .map(|(notice, key)| (notice.to_string(), key))

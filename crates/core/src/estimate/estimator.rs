@@ -130,6 +130,12 @@ impl Estimator {
         self.converter.has_lost_arm()
     }
 
+    /// Returns `true` if the source has repeated all positions of the hand exactly for more than 5 s, so that it is not known where the
+    /// hand is.
+    pub(super) fn is_stuck(&self) -> bool {
+        self.repeated_positions.is_stuck()
+    }
+
     /// Converts a reading. A rejected reading does not change the filters. Does not allocate.
     pub fn update(&mut self, reading: &Reading) -> Result<&Estimate, Rejection> {
         let gap = self.gap(reading.time)?;
@@ -141,7 +147,8 @@ impl Estimator {
         tips.remove(self.estimate.untrusted);
         let was_unseen = self.estimate.jumped || gap > self.settings.max_gap;
         self.estimate.jumped |= std::mem::take(&mut self.has_jumped);
-        let was_repeated = self.repeated_positions.push(&self.estimate);
+        let is_seen = self.estimate.is_placed && !self.has_lost_arm();
+        let was_repeated = self.repeated_positions.push(&self.estimate, is_seen);
         self.estimate.is_after_gap |= was_repeated;
         self.estimate.misses_bends |= was_repeated;
         let is_interrupted = was_unseen || self.estimate.jumped || was_repeated;

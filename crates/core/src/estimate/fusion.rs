@@ -126,6 +126,13 @@ impl FusedEstimator {
         self.estimate.lose_hand();
     }
 
+    /// Returns `true` if the sources of all parts that are not lost have repeated all positions for so long that it is not known where the
+    /// hand is. A part that a glove measures, or that moves, shows that the hand leaves a key.
+    pub(super) fn is_stuck(&self) -> bool {
+        let mut seen = self.parts.iter().filter(|it| it.seen.time().is_some());
+        seen.all(|part| part.estimator.is_stuck())
+    }
+
     /// Returns the parts of the hand that are not trusted because their readings are implausible.
     pub(super) fn implausible(&self) -> Implausible {
         let parts = self.parts.iter();
@@ -376,6 +383,43 @@ mod tests {
             assert!(!is_after_gap(HandPart::Arm, end + 5));
             assert!(!is_after_gap(HandPart::Fingers, end + 10));
         }
+    }
+
+    #[test]
+    fn a_hand_of_two_sources_is_stuck_if_both_repeat_positions_and_none_is_a_glove() {
+        let arm_and_fingers = |is_glove: bool, trembling: Option<HandPart>| {
+            let estimator = || Estimator::new(EstimatorSettings::default());
+            let timeout = Duration::from_millis(200);
+            let mut hand = FusedEstimator::new(estimator(), estimator(), timeout);
+            for number in 0..700_u64 {
+                let part = HandPart::ALL[number as usize % HandPart::COUNT];
+                let tremor = if trembling == Some(part) { 1e-6 } else { 0.0 };
+                let mut positions = JointPositions::default();
+                positions.set(Joint::Wrist, DVec3::Y);
+                positions.set(Joint::IndexTip, DVec3::X * tremor * (number / 2 % 2) as f64);
+                let sample = if is_glove && part == HandPart::Fingers {
+                    let mut angles = JointAngles::default();
+                    angles.set(Dof::IndexMcpFlexion, 0.1);
+                    Sample::Angles { angles }
+                } else {
+                    Sample::Joints { positions }
+                };
+                let time = Timestamp(1_000_000 + 10_000 * number);
+                let mut reading = Reading::new(time, None, sample);
+                reading.part = Some(part);
+                hand.update(&reading).expect("a plausible reading");
+                let is_before_limit = number * 10 <= 5_000;
+                assert!(!(is_before_limit && hand.is_stuck()), "{number}");
+            }
+            hand.is_stuck()
+        };
+        assert!(arm_and_fingers(false, None));
+        assert!(!arm_and_fingers(false, Some(HandPart::Arm)));
+        assert!(!arm_and_fingers(false, Some(HandPart::Fingers)));
+        assert!(!arm_and_fingers(true, None));
+        let mut hand = Hand::new(&[Dof::ElbowFlexion], &[Dof::IndexMcpFlexion]);
+        hand.take_second(None);
+        assert!(!hand.estimator.is_stuck());
     }
 
     #[test]

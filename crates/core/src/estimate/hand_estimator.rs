@@ -91,6 +91,15 @@ impl HandEstimator {
         }
     }
 
+    /// Returns `true` if everything that shows the hand has repeated all of its positions exactly for more than 5 s, so that it is not
+    /// known where the hand is.
+    pub fn is_stuck(&self) -> bool {
+        match self {
+            Self::Single(estimator) => estimator.is_stuck(),
+            Self::Fused(estimator) => estimator.is_stuck(),
+        }
+    }
+
     /// Returns the parts of the hand that are not trusted because their readings are implausible.
     pub fn implausible(&self) -> Implausible {
         match self {

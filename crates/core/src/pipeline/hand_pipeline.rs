@@ -31,6 +31,8 @@ pub(super) struct HandPipeline {
     /// `true` after the hand has pressed faster than the rate limit while another one is tracked: it touches nothing until the
     /// run is resumed.
     pub(super) is_suspended: bool,
+    /// `true` while the source of the hand has repeated all positions for too long.
+    pub(super) is_stuck: bool,
     /// `true` if the latest zeroing has changed the hand.
     pub(super) is_zeroed: bool,
     pub(super) start: StartDetector,
@@ -57,6 +59,7 @@ impl HandPipeline {
             was_placed: false,
             consecutive_rejections: 0,
             is_suspended: false,
+            is_stuck: false,
             is_zeroed: false,
             start: StartDetector::default(),
             reach: ReachWatch::default(),
@@ -74,11 +77,14 @@ impl HandPipeline {
         self.consecutive_rejections == MAX_CONSECUTIVE_REJECTIONS
     }
 
-    /// Notes that a reading was accepted.
+    /// Notes that a reading was accepted. A hand that is suspended, or whose source is stuck, touches nothing; when its source measures
+    /// again, the hand counts as re-acquired.
     pub(super) fn accept(&mut self, time: Timestamp) {
-        if self.is_suspended {
+        let was_stuck = std::mem::replace(&mut self.is_stuck, self.estimator.is_stuck());
+        if self.is_suspended || self.is_stuck {
             self.output.estimate.lose_hand();
         }
+        self.output.estimate.jumped |= was_stuck;
         self.last_accepted = Some(time);
         self.was_placed |= self.output.estimate.is_placed;
     }

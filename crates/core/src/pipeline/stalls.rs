@@ -15,6 +15,8 @@ pub enum HandLoss {
     NoReadings,
     /// The source of the hand sends, but does not show the hand, or not all of it.
     NotSeen,
+    /// The source of the hand has repeated all positions exactly for more than 5 s.
+    Stuck,
     /// The hand has pressed faster than the rate limit.
     TooFast,
 }
@@ -113,6 +115,8 @@ impl Pipeline {
                 HandLoss::TooFast
             } else if hand.last_accepted.is_none() {
                 HandLoss::NoReadings
+            } else if hand.is_stuck {
+                HandLoss::Stuck
             } else {
                 HandLoss::NotSeen
             };

@@ -330,6 +330,11 @@ fn write_lost(f: &mut fmt::Formatter<'_>, side: Side, loss: HandLoss) -> fmt::Re
     match loss {
         HandLoss::NoReadings => write!(f, "no readings of the {side} hand: {released}"),
         HandLoss::NotSeen => write!(f, "the {side} hand is not tracked: {released}"),
+        HandLoss::Stuck => write!(
+            f,
+            "the tracker of the {side} hand has repeated exactly the same positions for 5 s: {released} until the hand moves; if it \
+             does not move then, check the camera and restart its tracker"
+        ),
         HandLoss::TooFast => write!(
             f,
             "the {side} hand makes more presses than a person (`max_presses_per_second` of the setup): {released} until `ademan ctl \

@@ -177,6 +177,11 @@ impl StatusLog {
         let Some(pose) = step.pose else {
             return;
         };
+        // Their notices say why no finger is trusted.
+        let explains_all = |loss: HandLoss| matches!(loss, HandLoss::Stuck | HandLoss::TooFast);
+        if hints.losses[pose.side.index()].is_some_and(explains_all) {
+            return;
+        }
         let explained = hints.implausible[pose.side.index()].fingers();
         let untrusted = pose.untrusted.difference(explained);
         let reported = &mut self.untrusted[pose.side.index()];
