@@ -7,7 +7,7 @@ use ademan::command::CommandOrigin;
 use ademan::device::{EventKind, Events, KeyCode, OutputEvent};
 use ademan::hand::Side;
 use ademan::pipeline::press_filter::FilterInput;
-use ademan::pipeline::{LayoutInstance, PressFilter};
+use ademan::pipeline::{LayoutInstance, PipelineState, PressFilter};
 use ademan::setup::Setup;
 use ademan::sim::UsTextField;
 
@@ -59,6 +59,28 @@ impl PressFilter for Hold {
 
     fn reset(&mut self) {
         self.is_reset = true;
+    }
+}
+
+/// Holds each press until the next step, and reports it.
+struct Delay {
+    held: Option<OutputEvent>,
+    holds: mpsc::Sender<()>,
+}
+
+impl PressFilter for Delay {
+    fn filter(&mut self, _: &FilterInput, events: &mut Events) {
+        let is_press = |event: &OutputEvent| matches!(event.kind, EventKind::KeyDown(_));
+        let held = self.held.take();
+        if let Some(index) = events.iter().position(is_press) {
+            self.held = Some(events.remove(index));
+            self.holds.send(()).expect("a receiver");
+        }
+        events.extend(held);
+    }
+
+    fn reset(&mut self) {
+        self.held = None;
     }
 }
 
@@ -160,6 +182,31 @@ fn a_pause_for_whose_releases_there_is_no_room_releases_in_the_next_step() {
         pressed += presses;
     }
     assert!(pressed > 0);
+}
+
+#[test]
+fn a_press_that_a_filter_held_at_a_pause_does_not_follow_when_the_run_is_resumed() {
+    for is_paused in [false, true] {
+        let setup = Setup::default().load_files().expect("the shipped layout");
+        let format = Hc11Format::default();
+        let mut hand = setup.typist("a", &format, 0.0, 0).expect("a text");
+        let (holds, held) = mpsc::channel();
+        let filter = Box::new(Delay { held: None, holds });
+        let mut pipeline = setup.pipeline().with_filter(filter);
+        let mut presses = 0;
+        while let Ok(SourceEvent::Reading(reading)) = hand.next() {
+            let mut events = Events::new();
+            let step = pipeline.step(&reading, &mut events);
+            step.expect("a clear reading");
+            presses += events.iter().filter(|event| event.kind.is_press()).count();
+            if held.try_recv().is_ok() && is_paused {
+                pipeline.pause(CommandOrigin::Client, &mut Events::new());
+                pipeline.resume(CommandOrigin::Client);
+            }
+        }
+        assert_eq!(pipeline.state(), PipelineState::Running);
+        assert_eq!(presses, usize::from(!is_paused));
+    }
 }
 
 #[test]
