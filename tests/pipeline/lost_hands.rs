@@ -5,7 +5,7 @@ use ademan::hand::{HandPart, Side};
 use ademan::pipeline::{HandLoss, PipelineState};
 use ademan::setup::{OtherHand, Setup};
 
-use crate::wearer::Wearer;
+use crate::wearer::{Wearer, boards_of_both_hands};
 
 /// A board for each hand. The left one locks, arms and switches; both type.
 const BOARDS: &str = r#"Layout(name: "boards", boards: [
@@ -157,4 +157,36 @@ fn a_hand_suspended_by_the_rate_limit_releases_what_it_has_locked() {
     wearer.hold_still(1_000);
     wearer.tap(Side::Left, "lock");
     assert_eq!(wearer.transcript(), "+ControlLeft");
+}
+
+#[test]
+fn a_key_of_the_layout_does_not_resume_a_hand_suspended_by_the_rate_limit() {
+    let boards = boards_of_both_hands(
+        r#"keys: [
+                (code: "W", name: "SIDE-w", at_mm: (0, 0)),
+                (action: Command("resume"), name: "SIDE-resume", at_mm: (24, 0)),
+            ]"#,
+    );
+    let layout = format!(r#"Layout(name: "resume", boards: [{boards}])"#);
+    let setup = Setup {
+        max_presses_per_second: Some(2),
+        other_hand: Some(OtherHand::default()),
+        ..Setup::default()
+    };
+    let mut wearer = Wearer::with_layout(&layout, setup);
+    wearer.go(Side::Left, "left-w", false);
+    wearer.go(Side::Right, "right-w", false);
+    wearer.hold_still(400);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    for _ in 0..3 {
+        wearer.tap(Side::Left, "left-w");
+    }
+    wearer.hold_still(1_000);
+    wearer.tap(Side::Right, "right-resume");
+    wearer.tap(Side::Left, "left-w");
+    assert_eq!(wearer.transcript(), "+W -W resume");
+    wearer.pipeline.resume(CommandOrigin::Client);
+    wearer.hold_still(1_000);
+    wearer.tap(Side::Left, "left-w");
+    assert_eq!(wearer.transcript(), "+W -W");
 }
