@@ -97,6 +97,25 @@ fn a_missing_hand_releases_its_keys_and_the_other_one_continues() {
 }
 
 #[test]
+fn output_is_not_armed_while_one_of_two_hands_is_on_a_key() {
+    let mut wearer = Wearer::new(Setup {
+        other_hand: Some(OtherHand::default()),
+        layout: "qwerty-two-flat".into(),
+        ..Setup::default()
+    });
+    wearer.go(Side::Left, "F", true);
+    wearer.go(Side::Right, "J", false);
+    wearer.hold_still(1_000);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
+    wearer.go(Side::Left, "F", false);
+    wearer.hold_still(200);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
+    wearer.hold_still(200);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    assert_eq!(wearer.transcript(), "");
+}
+
+#[test]
 fn one_hand_types_while_the_other_is_not_tracked() {
     let mut wearer = both_hands(Setup::default());
     wearer.shown[Side::Left.index()] = None;
