@@ -5,6 +5,8 @@
 //! row. A context is the row of two preceding words; a word that it lacks has the probability after the second one, times the
 //! weight of the context.
 
+use std::sync::Arc;
+
 use super::ModelError;
 use super::bytes::u32_at;
 use crate::logarithm::nats;
@@ -15,6 +17,12 @@ pub const AFTER_COMMA: u32 = 0xff_fffe;
 pub const ROW_BYTES: usize = 8;
 /// The bytes of a context: like a row, with the entry of its two words in place of the node, then the row of the second one.
 pub const CONTEXT_BYTES: usize = 12;
+/// The bytes of an entry: node and probability in one number.
+const ENTRY_BYTES: usize = 4;
+/// The number of keys of a group of rows.
+const GROUP: u32 = 64;
+/// The most groups, of which the last one has all keys beyond the others.
+const MAX_GROUPS: u32 = 1 << 14;
 /// The index of the row of the first context.
 const CONTEXT: u32 = 1 << 24;
 
@@ -26,43 +34,57 @@ pub struct Row(pub(crate) u32);
 pub const NO_ROW: Row = Row(u32::MAX);
 
 /// The pairs of words of a model, and what follows some of them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Bigrams<'a> {
     rows: Table<'a, ROW_BYTES>,
     contexts: Table<'a, CONTEXT_BYTES>,
 }
 
 /// Rows with their entries, and one row more that ends the last one.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Table<'a, const BYTES: usize> {
-    rows: &'a [u8],
-    entries: &'a [u8],
+    rows: &'a [[u8; BYTES]],
+    entries: &'a [[u8; ENTRY_BYTES]],
+    /// The first row of each group of [`GROUP`] keys: a search in all rows would read from ten places of the memory.
+    groups: Arc<[u32]>,
 }
 
 impl<'a, const BYTES: usize> Table<'a, BYTES> {
     fn read(rows: &'a [u8], entries: &'a [u8]) -> Result<Self, ModelError> {
-        if !rows.len().is_multiple_of(BYTES) || rows.is_empty() || !entries.len().is_multiple_of(4)
-        {
+        let (rows, rest) = rows.as_chunks();
+        let (entries, rest_of_entries) = entries.as_chunks();
+        if rows.is_empty() || !rest.is_empty() || !rest_of_entries.is_empty() {
             return Err(ModelError::Damaged("the size of the pairs of words"));
         }
-        let table = Self { rows, entries };
+        let mut table = Self {
+            rows,
+            entries,
+            groups: Arc::default(),
+        };
         let last = table.count();
         let increases = (0..last).all(|row| {
             table.key(row) < table.key(row + 1) && table.start(row) <= table.start(row + 1)
         });
         // The last row only ends the one before it.
-        if !increases || table.start(last) as usize != entries.len() / 4 || last >= CONTEXT {
+        if !increases || table.start(last) as usize != entries.len() || last >= CONTEXT {
             return Err(ModelError::Damaged("the order of the pairs of words"));
         }
+        let mut groups = vec![0];
+        for row in 0..last {
+            groups.resize(group(table.key(row)) + 1, row);
+        }
+        groups.push(last);
+        table.groups = groups.into();
         Ok(table)
     }
 
     fn count(&self) -> u32 {
-        (self.rows.len() / BYTES) as u32 - 1
+        self.rows.len() as u32 - 1
     }
 
     fn number(&self, row: u32, offset: usize) -> u32 {
-        u32_at(self.rows, row as usize * BYTES + offset)
+        let record = self.rows.get(row as usize);
+        record.map_or(0, |record| u32_at(record, offset))
     }
 
     fn key(&self, row: u32) -> u32 {
@@ -78,18 +100,24 @@ impl<'a, const BYTES: usize> Table<'a, BYTES> {
     }
 
     fn row(&self, key: u32) -> Option<u32> {
-        search(0, self.count(), key, |row| self.key(row))
+        let index = group(key);
+        let start = *self.groups.get(index)?;
+        let end = *self.groups.get(index + 1)?;
+        let rows = self.rows.get(start as usize..end as usize)?;
+        search(rows, key).map(|row| start + row as u32)
     }
 
     /// Returns the index of the entry of a word.
     fn entry(&self, row: u32, node: u32) -> Option<u32> {
-        search(self.start(row), self.start(row + 1), node, |index| {
-            u32_at(self.entries, index as usize * 4) >> 8
-        })
+        let start = self.start(row);
+        let entries = start as usize..self.start(row + 1) as usize;
+        let found = search(self.entries.get(entries)?, node)?;
+        Some(start + found as u32)
     }
 
     fn entry_nats(&self, index: u32) -> f32 {
-        nats(u32_at(self.entries, index as usize * 4) as u8)
+        let entry = self.entries.get(index as usize);
+        nats(entry.map_or(0, |entry| entry[0]))
     }
 }
 
@@ -105,7 +133,7 @@ impl<'a> Bigrams<'a> {
 
     /// Returns the number of pairs.
     pub fn len(&self) -> usize {
-        self.rows.entries.len() / 4
+        self.rows.entries.len()
     }
 
     /// Returns `true` if there are no pairs.
@@ -161,14 +189,14 @@ impl<'a> Bigrams<'a> {
     }
 }
 
-fn search(mut low: u32, mut high: u32, node: u32, key: impl Fn(u32) -> u32) -> Option<u32> {
-    while low < high {
-        let middle = low + (high - low) / 2;
-        match key(middle).cmp(&node) {
-            std::cmp::Ordering::Less => low = middle + 1,
-            std::cmp::Ordering::Greater => high = middle,
-            std::cmp::Ordering::Equal => return Some(middle),
-        }
-    }
-    None
+/// Returns the index of the group of a key.
+fn group(key: u32) -> usize {
+    (key / GROUP).min(MAX_GROUPS) as usize
+}
+
+/// Returns the index of a key among increasing ones, in the upper 24 bits of records.
+fn search<const BYTES: usize>(records: &[[u8; BYTES]], key: u32) -> Option<usize> {
+    records
+        .binary_search_by(|record| (u32_at(record, 0) >> 8).cmp(&key))
+        .ok()
 }
