@@ -9,6 +9,8 @@ use super::token::Next;
 /// The hypotheses that fit, for each that is kept and at least; further ones of a tap are dropped.
 const CAPACITY: usize = 4;
 const LEAST_CAPACITY: usize = 4_000;
+/// The slots of the hash table at the start of a tap; it grows with the hypotheses.
+const LEAST_SLOTS: usize = 1_024;
 // A slot has 16 bits for an index.
 const _: () = assert!(CAPACITY * MAX_BEAM <= 1 << 16 && LEAST_CAPACITY <= 1 << 16);
 /// The bins of the histogram.
@@ -30,8 +32,11 @@ pub struct Beam {
     /// The most hypotheses of a tap.
     capacity: usize,
     next: Vec<Next>,
-    order: Vec<(f32, u32)>,
+    /// Scores and indices in numbers that increase with worse scores.
+    order: Vec<u64>,
     slots: Vec<Slot>,
+    /// The number of slots of this tap, less one.
+    last_slot: usize,
     round: u16,
     width: f32,
     count: usize,
@@ -53,6 +58,7 @@ impl Beam {
             next: Vec::with_capacity(capacity),
             order: Vec::with_capacity(capacity),
             slots: vec![Slot::default(); (2 * capacity).next_power_of_two()],
+            last_slot: LEAST_SLOTS - 1,
             round: 0,
             width,
             count,
@@ -72,10 +78,38 @@ impl Beam {
         self.bins.fill(0);
         self.cut = BINS - 1;
         self.kept = 0;
+        self.last_slot = LEAST_SLOTS - 1;
+        self.start_round();
+    }
+
+    /// Empties the hash table.
+    fn start_round(&mut self) {
         self.round = self.round.wrapping_add(1);
         if self.round == 0 {
             self.slots.fill(Slot::default());
             self.round = 1;
+        }
+    }
+
+    /// Returns the slot of a hypothesis if there is no other one in its place.
+    fn slot(&self, key: u64) -> usize {
+        (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize & self.last_slot
+    }
+
+    /// Doubles the hash table.
+    #[cold]
+    fn grow(&mut self) {
+        self.last_slot = 2 * self.last_slot + 1;
+        self.start_round();
+        for index in 0..self.next.len() {
+            let mut slot = self.slot(self.next[index].key());
+            while self.slots[slot].round == self.round {
+                slot = (slot + 1) & self.last_slot;
+            }
+            self.slots[slot] = Slot {
+                round: self.round,
+                index: index as u16,
+            };
         }
     }
 
@@ -85,8 +119,8 @@ impl Beam {
     }
 
     fn bin(&self, score: f32) -> usize {
-        // A conversion of a negative number gives 0.
-        (((self.ceiling - score) * BINS_PER_NAT) as usize).min(BINS - 1)
+        // A conversion saturates.
+        (((self.ceiling - score) * BINS_PER_NAT) as i32).clamp(0, BINS as i32 - 1) as usize
     }
 
     /// Counts a score, and raises the limit to the worst bin that is needed.
@@ -123,8 +157,7 @@ impl Beam {
         }
         self.limit = self.limit.max(score - self.width);
         let key = next.key();
-        let last = self.slots.len() - 1;
-        let mut slot = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize & last;
+        let mut slot = self.slot(key);
         loop {
             let found = &mut self.slots[slot];
             if found.round != self.round {
@@ -135,6 +168,9 @@ impl Beam {
                     };
                     self.next.push(next);
                     self.count(score);
+                    if 2 * self.next.len() > self.last_slot {
+                        self.grow();
+                    }
                 }
                 return;
             }
@@ -148,7 +184,7 @@ impl Beam {
                 }
                 return;
             }
-            slot = (slot + 1) & last;
+            slot = (slot + 1) & self.last_slot;
         }
     }
 
@@ -158,14 +194,71 @@ impl Beam {
         self.order.clear();
         for (index, next) in self.next.iter().enumerate() {
             if next.score > limit {
-                self.order.push((next.score, index as u32));
+                self.order
+                    .push(u64::from(descending(next.score)) << 32 | index as u64);
             }
         }
-        self.order
-            .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        self.order.sort_unstable();
         self.order.truncate(self.count);
         self.order
             .iter()
-            .map(|&(_, index)| &self.next[index as usize])
+            .map(|&ordered| &self.next[ordered as u32 as usize])
+    }
+}
+
+/// Returns a number that is smaller for a larger score.
+fn descending(score: f32) -> u32 {
+    let bits = score.to_bits();
+    if score.is_sign_negative() {
+        bits
+    } else {
+        !(bits | 1 << 31)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::decoder::token::{Emission, Parent, Place};
+    use crate::model::bigrams::NO_ROW;
+
+    fn next(node: u32, score: f32) -> Next {
+        Next {
+            score,
+            place: Place::Word(node),
+            row: NO_ROW,
+            parent: Parent::Last(0),
+            moved: None,
+            emission: Emission::NOTHING,
+        }
+    }
+
+    #[test]
+    fn a_place_is_found_again_after_the_table_has_grown() {
+        let mut beam = Beam::new(100.0, 2_000);
+        beam.start(0.0);
+        let score = |node: u32| -1.0 - node as f32 / 1_000.0;
+        for node in 0..1_500 {
+            beam.push(next(node, score(node) - 0.5));
+        }
+        for node in 0..1_500 {
+            beam.push(next(node, score(node)));
+            beam.push(next(node, score(node) - 0.7));
+        }
+        let best: Vec<_> = beam.best().map(|next| (next.node(), next.score)).collect();
+        let expected: Vec<_> = (0..1_500).map(|node| (node, score(node))).collect();
+        assert_eq!(best, expected);
+    }
+
+    #[test]
+    fn scores_are_in_falling_order_with_the_first_of_equal_ones_first() {
+        let scores = [-2.5, 3.0, -2.5, 0.0, -0.0, 1e-20, -7.0];
+        let mut beam = Beam::new(100.0, 10);
+        beam.start(4.0);
+        for (node, score) in (0..).zip(scores) {
+            beam.push(next(node, score));
+        }
+        let best: Vec<_> = beam.best().map(Next::node).collect();
+        assert_eq!(best, [1, 5, 3, 4, 0, 2, 6]);
     }
 }
