@@ -6,11 +6,13 @@ use super::marks::{JOINT, is_punctuation, joins_words, punctuation};
 use super::token::{From, Next, Parent, Place, Token};
 use super::{GAIN, Options};
 
-use super::touches::{SLACK, Touches};
+use super::touches::{ROUNDING, SLACK, Touches};
+use crate::logarithm::{NATS_PER_STEP, nats};
 use crate::model::Model;
 use crate::model::alphabet::Symbol;
 use crate::model::bigrams::NO_ROW;
-use crate::model::lexicon::{Case, ROOT};
+use crate::model::branches::{Branch, LAST, Letters, bit};
+use crate::model::lexicon::{Case, OWN, ROOT};
 use crate::model::spelling::START;
 
 /// The log-probability of each character of a word with digits or signs.
@@ -41,6 +43,28 @@ pub struct Expansion<'a, 'm> {
     pub typed: (usize, char),
     /// `true` if the character is neither a letter, a space nor punctuation.
     pub is_sign: bool,
+    /// The additional cost of a spurious tap.
+    pub spurious: f32,
+    /// The part of a score for each stored log-probability.
+    pub weights: &'a [f32; 256],
+    /// The steps of a stored log-probability for a unit of the score.
+    pub steps_per_weight: f32,
+}
+
+/// Returns the part of a score for each stored log-probability.
+pub fn weights(options: &Options) -> [f32; 256] {
+    std::array::from_fn(|byte| options.language * nats(byte as u8))
+}
+
+/// Returns the additional cost of a spurious tap that typed a character.
+pub fn spurious_cost(touches: &Touches, character: char) -> f32 {
+    if character == ' ' {
+        SPURIOUS_SPACE
+    } else if touches.near().iter().all(|near| near.symbol.is_none()) {
+        SPURIOUS_SIGN
+    } else {
+        0.0
+    }
 }
 
 /// Returns the log-probability that a word that is not in the lexicon ends.
@@ -53,6 +77,11 @@ pub fn spelling_end(model: &Model, options: &Options, state: u16, is_typed: bool
     }
 }
 
+/// Returns the steps of a stored log-probability for a unit of the score; infinite without a language.
+pub fn steps_per_weight(options: &Options) -> f32 {
+    1.0 / (options.language * NATS_PER_STEP)
+}
+
 impl Expansion<'_, '_> {
     /// Adds the successors of a hypothesis with the tap.
     pub fn expand(&mut self, index: usize, token: &Token) {
@@ -61,11 +90,7 @@ impl Expansion<'_, '_> {
         let partial = Next::after(token, Parent::Last(index as u16));
         let mut nothing = partial;
         nothing.score += self.options.insertion + self.touches.stray();
-        if self.typed.1 == ' ' {
-            nothing.score += SPURIOUS_SPACE;
-        } else if self.touches.near().iter().all(|near| near.symbol.is_none()) {
-            nothing.score += SPURIOUS_SIGN;
-        }
+        nothing.score += self.spurious;
         self.beam.push(nothing);
         match token.place {
             Place::Word(_) => self.word(&partial),
@@ -77,7 +102,7 @@ impl Expansion<'_, '_> {
     }
 
     /// Returns `true` if a hypothesis can still be kept with a likely tap.
-    fn is_open(&self, score: f32) -> bool {
+    pub(super) fn is_open(&self, score: f32) -> bool {
         score + self.touches.likeliest() + SLACK > self.beam.limit()
     }
 
@@ -85,8 +110,13 @@ impl Expansion<'_, '_> {
         self.options.language * nats
     }
 
-    fn best(&self, node: u32) -> f32 {
-        self.language(self.model.lexicon.node(node).best())
+    pub(super) fn best(&self, node: u32) -> f32 {
+        self.weighted(self.model.lexicon.branch(node).best)
+    }
+
+    /// Returns the part of a score for a stored log-probability.
+    pub(super) fn weighted(&self, byte: u8) -> f32 {
+        self.weights[usize::from(byte)]
     }
 
     fn word(&mut self, partial: &Next) {
@@ -112,24 +142,70 @@ impl Expansion<'_, '_> {
     }
 
     /// Uses the tap as the next letter of a word.
-    fn letters(&mut self, partial: &Next) {
+    pub(super) fn letters(&mut self, partial: &Next) {
         let node = partial.node();
-        let base = partial.score - self.best(node);
-        for children in self.model.lexicon.child_ranges(node) {
-            for child in children {
-                self.letter(partial, base, child);
+        let branch = self.model.lexicon.branch(node);
+        let base = partial.score - self.weighted(branch.best);
+        let letters = self.reachable(base, &branch);
+        self.letters_below(partial, base, (node, &branch), letters);
+        if node == ROOT {
+            let own = self.model.lexicon.branch(OWN);
+            let own_letters = self.reachable(base, &own);
+            self.letters_below(partial, base, (OWN, &own), own_letters);
+        }
+    }
+
+    /// Returns the letters of the children of a node that the tap can mean, and maybe some more. `base` is the score without the part that
+    /// stands for the word to come.
+    pub(super) fn reachable(&self, base: f32, branch: &Branch) -> Letters {
+        // No child has a likelier word.
+        let most = base + self.weighted(branch.best);
+        branch.letters & self.touches.reachable(self.beam.limit() - most)
+    }
+
+    /// Uses the tap as one of some letters of the children of a node.
+    pub(super) fn letters_below(
+        &mut self,
+        partial: &Next,
+        base: f32,
+        (node, branch): (u32, &Branch),
+        letters: Letters,
+    ) {
+        let mut own = letters & !bit(LAST);
+        let mut likely = 0;
+        // Which letters are likely cannot be predicted, so this loop does not branch.
+        while own != 0 {
+            let letter = own & own.wrapping_neg();
+            let symbol = letter.trailing_zeros() as Symbol;
+            let score = base + self.best(branch.child(symbol));
+            let is_likely = score + self.touches.bound(symbol) > self.beam.limit();
+            likely |= if is_likely { letter } else { 0 };
+            own ^= letter;
+        }
+        while likely != 0 {
+            let symbol = likely.trailing_zeros() as Symbol;
+            likely &= likely - 1;
+            self.letter(partial, base, branch.child(symbol), symbol);
+        }
+        if letters & bit(LAST) != 0 {
+            for child in self.model.lexicon.last_children(node, branch) {
+                let symbol = self.model.lexicon.node(child).symbol();
+                self.letter(partial, base, child, symbol);
             }
         }
     }
 
     /// Uses the tap as the letter that leads to a node.
-    fn letter(&mut self, partial: &Next, base: f32, child: u32) {
-        let contents = self.model.lexicon.node(child);
-        let score = base + self.language(contents.best());
-        if score + self.touches.bound(contents.symbol()) <= self.beam.limit() {
-            return;
+    fn letter(&mut self, partial: &Next, base: f32, child: u32, symbol: Symbol) {
+        let score = base + self.best(child);
+        if score + self.touches.bound(symbol) > self.beam.limit() {
+            self.likely_letter(partial, score, child, symbol);
         }
-        let Some((touch, key)) = self.likelihoods.of_letter(contents.symbol()) else {
+    }
+
+    /// Uses the tap as the letter that leads to a node, with the score before the tap.
+    fn likely_letter(&mut self, partial: &Next, score: f32, child: u32, symbol: Symbol) {
+        let Some((touch, key)) = self.likelihoods.of_letter(symbol) else {
             return;
         };
         if score + touch <= self.beam.limit() {
@@ -139,7 +215,7 @@ impl Expansion<'_, '_> {
         next.score = score + touch;
         next.place = Place::Word(child);
         next.moved = self.moved_by(touch, key);
-        let letter = self.model.alphabet.letter(contents.symbol());
+        let letter = self.model.alphabet.letter(symbol);
         next.emission = next.emission.with(letter, From::This, Case::Lower);
         self.beam.push(next);
     }
@@ -150,7 +226,7 @@ impl Expansion<'_, '_> {
     }
 
     /// Uses the tap as the end of a word. Returns the hypothesis with its word complete, if it can still be kept.
-    fn end(&mut self, partial: &Next) -> Option<Next> {
+    pub(super) fn end(&mut self, partial: &Next) -> Option<Next> {
         let node = partial.node();
         if node == ROOT {
             let space = self.touches.space();
@@ -173,8 +249,8 @@ impl Expansion<'_, '_> {
 
     /// Uses the tap as a mark before a word: one that opens, or any other if it was typed.
     fn opening_mark(&mut self, partial: &Next) {
-        for near in 0..self.touches.near().len() {
-            let near = self.touches.near()[near];
+        for near in 0..self.touches.marks().len() {
+            let near = self.touches.marks()[near];
             let cost = match near.character {
                 '\'' | '"' | '(' | '¿' | '¡' => 0.0,
                 '-' if near.key == self.typed.0 => 0.0,
@@ -209,22 +285,30 @@ impl Expansion<'_, '_> {
     /// Returns the hypothesis with its word complete, or `None` if it is not a word, or too unlikely for the tap.
     fn ended(&self, partial: &Next) -> Option<Next> {
         let node = partial.node();
-        let contents = self.model.lexicon.node(node);
-        let alone = contents.word()?;
-        // Before the look-up of the pair: how likely it can be at most.
-        let most = partial.score + self.language((alone + GAIN).min(0.0) - contents.best());
+        let branch = self.model.lexicon.branch(node);
+        if branch.word == 0 {
+            return None;
+        }
         let missing = self.options.missing_space + self.best(ROOT);
         let joint = if self.is_sign { JOINT } else { missing };
         let following = self
             .touches
             .separator()
             .max(missing.max(joint) + self.touches.likeliest());
+        // Before the look-ups of the word and the pair: how likely they can be at most.
+        let expected = self.weighted(branch.best);
+        let likeliest = partial.score + (self.weighted(branch.word) - expected);
+        if !self.is_sign && likeliest + following + SLACK + ROUNDING <= self.beam.limit() {
+            return None;
+        }
+        let alone = self.model.lexicon.node(node).word()?;
+        let most = partial.score + (self.language((alone + GAIN).min(0.0)) - expected);
         if most + following + SLACK <= self.beam.limit() {
             return None;
         }
         let word = self.model.bigrams.after(partial.row, node, alone);
         let mut ended = *partial;
-        ended.score += self.language(word) - self.language(contents.best());
+        ended.score += self.language(word) - expected;
         Some(ended)
     }
 
@@ -248,11 +332,8 @@ impl Expansion<'_, '_> {
                 self.beam.push(next);
             }
         }
-        for near in 0..self.touches.near().len() {
-            let near = self.touches.near()[near];
-            if !is_punctuation(near.character) && near.character != '\'' {
-                continue;
-            }
+        for near in 0..self.touches.marks().len() {
+            let near = self.touches.marks()[near];
             let touch = self.likelihoods.of_key(near.key);
             let mut next = *ended;
             next.score += touch + punctuation(self.options, near.character, self.parent.sentence);
@@ -355,16 +436,14 @@ impl Expansion<'_, '_> {
             next.emission = next.emission.with(' ', From::This, Case::Lower);
             self.beam.push(next);
         }
-        for near in 0..self.touches.near().len() {
-            let near = self.touches.near()[near];
+        for near in 0..self.touches.marks().len() {
+            let near = self.touches.marks()[near];
             let is_quote = matches!(near.character, '\'' | '"');
-            if is_quote || is_punctuation(near.character) {
-                let cost = if is_quote { RARE } else { DOUBLE };
-                let mut next = *partial;
-                next.score += cost + self.likelihoods.of_key(near.key);
-                next.emission = next.emission.with(near.character, From::This, Case::Lower);
-                self.beam.push(next);
-            }
+            let cost = if is_quote { RARE } else { DOUBLE };
+            let mut next = *partial;
+            next.score += cost + self.likelihoods.of_key(near.key);
+            next.emission = next.emission.with(near.character, From::This, Case::Lower);
+            self.beam.push(next);
         }
         self.joint(&start, 0.0, Case::Lower);
         start.score += RARE + self.best(ROOT);
@@ -373,97 +452,6 @@ impl Expansion<'_, '_> {
         if self.is_sign && !joins_words(self.typed.1) {
             start.score += self.options.verbatim - self.best(ROOT);
             self.verbatim(&start);
-        }
-    }
-
-    /// Continues as if a letter or an apostrophe had not been tapped.
-    fn skips(&mut self, partial: &Next) {
-        let node = partial.node();
-        let options = self.options;
-        let silent = self.apostrophe;
-        if !self.is_open(partial.score + options.omission.max(options.silent)) {
-            return;
-        }
-        let base = partial.score - self.best(node);
-        let children = self.model.lexicon.child_ranges(node);
-        for child in children.into_iter().flatten() {
-            let contents = self.model.lexicon.node(child);
-            let is_silent = Some(contents.symbol()) == silent;
-            let cost = if is_silent {
-                options.silent
-            } else {
-                options.omission
-            };
-            let score = base + self.language(contents.best()) + cost;
-            if !self.is_open(score) {
-                continue;
-            }
-            let mut next = *partial;
-            next.score = score;
-            next.place = Place::Word(child);
-            let letter = self.model.alphabet.letter(contents.symbol());
-            next.emission = next.emission.with(letter, From::None, Case::Lower);
-            self.letters(&next);
-            self.end(&next);
-        }
-    }
-
-    /// Uses the tap as the first letter of a word after a complete one, without a space.
-    fn missing_space(&mut self, ended: &Next, node: u32) {
-        let mut ended = *ended;
-        ended.score += self.options.missing_space + self.best(ROOT);
-        if self.is_open(ended.score) {
-            ended.place = Place::Word(ROOT);
-            ended.row = self.model.next_row(ended.row, node);
-            let case = self.model.lexicon.node(node).case();
-            ended.emission = ended.emission.with(' ', From::None, case);
-            self.letters(&ended);
-        }
-    }
-
-    /// Adds the successors of a hypothesis from before the previous tap if the previous tap and this one came in the wrong order, with the
-    /// likelihoods of the previous tap.
-    pub fn transpose(&mut self, index: usize, token: &Token, previous: &mut Likelihoods) {
-        let Place::Word(node) = token.place else {
-            return;
-        };
-        let reachable = token.score + self.options.transposition + self.touches.likeliest();
-        if !self.is_open(reachable) {
-            return;
-        }
-        self.likelihoods.assume(&token.hands);
-        previous.assume(&token.hands);
-        let base = token.score + self.options.transposition - self.best(node);
-        let lexicon = &self.model.lexicon;
-        for first in lexicon.children(node) {
-            let first_symbol = lexicon.node(first).symbol();
-            let Some((touch, _)) = self.likelihoods.of_letter(first_symbol) else {
-                continue;
-            };
-            let first_best = self.best(first);
-            let score = base + touch + first_best;
-            if !self.is_open(score) {
-                continue;
-            }
-            for second in lexicon.children(first) {
-                let symbol = lexicon.node(second).symbol();
-                let Some((second_touch, _)) = previous.of_letter(symbol) else {
-                    continue;
-                };
-                let second_score = score + second_touch - first_best + self.best(second);
-                if second_score <= self.beam.limit() {
-                    continue;
-                }
-                let mut next = Next::after(token, Parent::BeforeLast(index as u16));
-                next.score = second_score;
-                next.place = Place::Word(second);
-                let letter = |letter_symbol| self.model.alphabet.letter(letter_symbol);
-                next.emission = next
-                    .emission
-                    .with(letter(first_symbol), From::This, Case::Lower)
-                    .with(letter(symbol), From::Previous, Case::Lower);
-                self.beam.push(next);
-            }
         }
     }
 }

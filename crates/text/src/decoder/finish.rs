@@ -3,6 +3,7 @@
 use super::expand::spelling_end;
 use super::token::{Place, Token};
 use super::{GAIN, Options};
+use crate::logarithm::nats;
 use crate::model::Model;
 use crate::model::lexicon::{Case, ROOT};
 
@@ -67,7 +68,13 @@ pub fn finish(
     }
     // Without the part that stands for the word to come.
     let score = token.score - best(node);
-    let mut word = |end: u32, cost: f32, omitted: Option<char>| {
+    let mut word = |end: u32, cost: f32, is_omitted: bool| {
+        let branch = model.lexicon.branch(end);
+        let likeliest = options.language * nats(branch.word);
+        // Before the look-ups of the word and the pair: how likely they can be at most.
+        if branch.word == 0 || score + likeliest + cost < worst {
+            return;
+        }
         let contents = model.lexicon.node(end);
         let Some(alone) = contents.word() else { return };
         let most = options.language * (alone + GAIN).min(0.0);
@@ -77,18 +84,17 @@ pub fn finish(
         let probability = options.language * model.bigrams.after(token.row, end, alone);
         found(Finished {
             score: score + probability + cost,
-            omitted,
+            omitted: is_omitted.then(|| model.alphabet.letter(contents.symbol())),
             case: contents.case(),
             word: Some(end),
             ..plain
         });
     };
-    word(node, 0.0, None);
+    word(node, 0.0, false);
     if score + options.omission < worst {
         return;
     }
-    for child in model.lexicon.children(node) {
-        let letter = model.alphabet.letter(model.lexicon.node(child).symbol());
-        word(child, options.omission, Some(letter));
+    for child in model.lexicon.child_range(node) {
+        word(child, options.omission, true);
     }
 }

@@ -11,7 +11,8 @@
 //!
 //! and inside a word, ln P of the likeliest word that it can become. Hypotheses at the same place after the same word are one. After
 //! each tap the best [`Options::beam`] are kept (Viterbi search, as in Goodman et al. 2002 and VelociTap, Vertanen et al. 2015). A
-//! hypothesis is made only if its bound reaches the limit, which rises while better ones are found.
+//! hypothesis is made only if its bound reaches the limit, which rises while better ones are found. Most letters are left out before they
+//! are looked at: a node has the letters of its children in one number, and a tap the letters that it can mean at all.
 //!
 //! The typed characters are a hypothesis of their own, which is never dropped.
 
@@ -30,6 +31,7 @@ mod options;
 mod precision;
 mod reading;
 mod render;
+mod slips;
 mod swiped;
 mod token;
 mod touches;
@@ -40,7 +42,7 @@ pub(crate) use swiped::Before;
 
 use beam::Beam;
 pub(crate) use candidate::same_letters;
-use expand::Expansion;
+use expand::{Expansion, spurious_cost, steps_per_weight, weights};
 use finish::Finished;
 use history::{Entry, History, NONE};
 use learn::WordRates;
@@ -117,6 +119,8 @@ pub struct Decoder<'m> {
     options: Options,
     /// The options with what was learned.
     costs: Options,
+    /// The part of a score for each stored log-probability.
+    weights: [f32; 256],
     touches: Touches,
     apostrophe: Option<Symbol>,
     beam: Beam,
@@ -173,6 +177,7 @@ impl<'m> Decoder<'m> {
             touch,
             options,
             costs: options,
+            weights: weights(&options),
             before: touches.carried(),
             words: WordRates::default(),
             touches,
@@ -373,8 +378,16 @@ impl<'m> Decoder<'m> {
             parent: first,
             apostrophe: self.apostrophe,
             typed,
+            weights: &self.weights,
+            steps_per_weight: steps_per_weight(&self.costs),
+            spurious: spurious_cost(&self.touches, character),
             is_sign: !is_letter && character != ' ' && !marks::is_punctuation(character),
         };
+        let nodes = self.tokens.iter().map(|token| match token.place {
+            Place::Word(node) => node,
+            _ => ROOT,
+        });
+        self.model.lexicon.fetch(nodes);
         for (index, token) in self.tokens.iter().enumerate() {
             expansion.expand(index, token);
         }

@@ -4,6 +4,7 @@ use super::marks::is_punctuation;
 use super::precision::Precision;
 use crate::keyboard::{Keyboard, MAX_KEYS, Millimetres};
 use crate::model::alphabet::{Alphabet, Symbol, plain};
+use crate::model::branches::{Letters, bit};
 use crate::touch::{Correlations, Hands, Spread, TouchModel};
 
 /// A key as the decoder needs it for one tap.
@@ -70,6 +71,8 @@ pub struct Touches {
     correlations: Correlations,
     tap: Millimetres,
     near: Vec<Near>,
+    /// Those of them that type punctuation or an apostrophe.
+    marks: Vec<Near>,
     likeliest: f32,
     /// The score of the tap if it means nothing, without its cost.
     stray: f32,
@@ -77,7 +80,19 @@ pub struct Touches {
     separator: f32,
     /// An upper bound, by letter, of the log-likelihood of the tap for any hypothesis that counts.
     bounds: Vec<f32>,
+    /// The letters whose bound is at most so many steps below the largest one; none at 0, all with a key at the end.
+    reachable: [Letters; STEPS],
+    /// The largest bound.
+    largest: f32,
+    /// The largest log-likelihood that any tap can have.
+    peak: f32,
 }
+
+/// The steps of the bounds by which letters are looked up, and the steps of a nat.
+const STEPS: usize = 80;
+const STEPS_PER_NAT: f32 = 4.0;
+/// More than the rounding error of a difference of scores, in nats.
+pub const ROUNDING: f32 = 0.06;
 
 /// The largest gain in log-likelihood of a tap by another hypothesis of the displacement than the best one.
 pub const SLACK: f32 = 1.0;
@@ -115,6 +130,7 @@ impl Touches {
                 .collect(),
             space: keyboard.index(' '),
             near: Vec::with_capacity(characters.len()),
+            marks: Vec::with_capacity(characters.len()),
             characters,
             floor: options.substitution - keyboard.area().ln(),
             plain_cost: options.plain,
@@ -126,6 +142,9 @@ impl Touches {
             stray: 0.0,
             separator: 0.0,
             bounds: vec![0.0; alphabet.len()],
+            reachable: [0; STEPS],
+            largest: 0.0,
+            peak: 0.0,
             area: keyboard.area(),
             first_variance: touch.prior.first_drift.powi(2),
             step: touch.prior.drift.powi(2),
@@ -214,6 +233,8 @@ impl Touches {
             key.inverse = [yy / determinant, xx / determinant, -xy / determinant];
             key.peak = -(std::f32::consts::TAU.ln() + 0.5 * determinant.ln());
         }
+        let peaks = self.keys.iter().map(|key| key.peak);
+        self.peak = peaks.fold(self.floor, f32::max);
         let shifts = self.shifts(hands);
         let mut likelihoods = [f32::NEG_INFINITY; MAX_KEYS];
         for (key, likelihood) in likelihoods[..self.keys.len()].iter_mut().enumerate() {
@@ -229,6 +250,7 @@ impl Touches {
             self.bounds[symbol] =
                 letter.map_or(f32::NEG_INFINITY, |(likelihood, _)| likelihood + SLACK);
         }
+        self.find_reachable();
         self.stray = self.stray_density();
         self.separator = (0..self.keys.len())
             .filter(|&key| {
@@ -254,6 +276,9 @@ impl Touches {
                 });
             }
         }
+        self.marks.clear();
+        let is_mark = |near: &&Near| near.character == '\'' || is_punctuation(near.character);
+        self.marks.extend(self.near.iter().filter(is_mark));
     }
 
     /// Reduces the uncertainty of the drift of a hand after the tap of this step.
@@ -275,6 +300,11 @@ impl Touches {
     /// Returns the keys near the tap.
     pub fn near(&self) -> &[Near] {
         &self.near
+    }
+
+    /// Returns those of them that type punctuation or an apostrophe.
+    pub fn marks(&self) -> &[Near] {
+        &self.marks
     }
 
     /// Returns the log-density of the tap if it means nothing: near the tap before, or anywhere.
@@ -306,6 +336,33 @@ impl Touches {
             .get(usize::from(symbol))
             .copied()
             .unwrap_or(f32::NEG_INFINITY)
+    }
+
+    /// Collects the letters by their bounds.
+    fn find_reachable(&mut self) {
+        let bounds = self.bounds.iter().copied();
+        self.largest = bounds.fold(f32::NEG_INFINITY, f32::max);
+        self.reachable = [0; STEPS];
+        for (symbol, &bound) in self.bounds.iter().enumerate() {
+            if bound > f32::NEG_INFINITY {
+                let step = ((self.largest - bound) * STEPS_PER_NAT) as usize + 1;
+                self.reachable[step.min(STEPS - 1)] |= bit(symbol as Symbol);
+            }
+        }
+        for step in 1..STEPS {
+            self.reachable[step] |= self.reachable[step - 1];
+        }
+    }
+
+    /// Returns the letters whose [`bound`](Self::bound) exceeds a number, and maybe some more.
+    pub fn reachable(&self, least: f32) -> Letters {
+        let step = (self.largest - least + ROUNDING) * STEPS_PER_NAT + 1.0;
+        self.reachable[(step as i32).clamp(0, STEPS as i32 - 1) as usize]
+    }
+
+    /// Returns the largest log-likelihood that this tap, or another one in its place, can have.
+    pub fn peak(&self) -> f32 {
+        self.peak
     }
 
     /// Returns the largest log-likelihood of any key.

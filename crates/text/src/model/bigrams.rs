@@ -136,6 +136,12 @@ impl<'a> Bigrams<'a> {
         self.rows.entries.len()
     }
 
+    /// Returns the nodes and the stored log-probabilities of all words that follow others.
+    pub(super) fn followers(&self) -> impl Iterator<Item = (u32, u8)> {
+        let entries = self.rows.entries.iter().chain(self.contexts.entries);
+        entries.map(|entry| (u32_at(entry, 0) >> 8, entry[0]))
+    }
+
     /// Returns `true` if there are no pairs.
     pub fn is_empty(&self) -> bool {
         self.rows.entries.is_empty()

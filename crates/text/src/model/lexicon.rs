@@ -11,6 +11,7 @@ use std::ops::Range;
 
 use super::ModelError;
 use super::alphabet::Symbol;
+use super::branches::{Branch, Branches, LAST, Letters, bit};
 use super::bytes::u64_at;
 use super::own_words::OwnWords;
 use crate::logarithm::nats;
@@ -80,13 +81,27 @@ impl Node {
 
     /// Returns the log-probability of the word that ends here, if one does.
     pub fn word(self) -> Option<f32> {
-        let byte = (self.0 >> 26 & 0xff) as u8;
+        let byte = self.word_byte();
         (byte != 0).then(|| nats(byte))
+    }
+
+    /// Returns the node with its first child and the letters of its children.
+    fn branch(self, first_child: u32, letters: Letters) -> Branch {
+        Branch {
+            first_child,
+            letters,
+            best: (self.0 >> 34) as u8,
+            word: self.word_byte(),
+        }
+    }
+
+    fn word_byte(self) -> u8 {
+        (self.0 >> 26) as u8
     }
 
     /// Returns the log-probability of the likeliest word that ends here or below.
     pub fn best(self) -> f32 {
-        nats((self.0 >> 34 & 0xff) as u8)
+        nats((self.0 >> 34) as u8)
     }
 
     /// Returns the case of the word that ends here.
@@ -100,6 +115,7 @@ impl Node {
 pub struct Lexicon<'a> {
     nodes: &'a [u8],
     count: u32,
+    pub(crate) branches: Branches,
     pub(super) own: OwnWords,
 }
 
@@ -113,6 +129,7 @@ impl<'a> Lexicon<'a> {
         let lexicon = Self {
             nodes,
             count: count as u32,
+            branches: Branches::default(),
             own: OwnWords::default(),
         };
         // Children follow their parent, so that no walk down the trie can turn in a circle.
@@ -170,13 +187,72 @@ impl<'a> Lexicon<'a> {
             ROOT => self.own_children(OWN),
             _ => 0..0,
         };
-        let known = if index >= OWN {
-            self.own_children(index)
-        } else {
-            let first = self.node(index).first_child();
-            first..self.node(index + 1).first_child().min(self.count)
+        [self.child_range(index), own]
+    }
+
+    /// Returns the indices of the children of a node, without the words of the person below the root of the lexicon.
+    pub(crate) fn child_range(&self, index: u32) -> Range<u32> {
+        if index >= OWN {
+            return self.own_children(index);
+        }
+        let first = |node: u32| self.branch(node).first_child;
+        first(index)..first(index + 1)
+    }
+
+    /// Returns a node with the letters of its children. The children of [`OWN`] are further children of the root.
+    pub(crate) fn branch(&self, index: u32) -> Branch {
+        let known = self.branches.get(index);
+        known.unwrap_or_else(|| self.own_branch(index))
+    }
+
+    /// Returns the children of a node of the lexicon, or of the words of the person, whose letters have no bit of their own.
+    pub(crate) fn last_children(&self, index: u32, branch: &Branch) -> Range<u32> {
+        branch.child(LAST)..self.child_range(index).end
+    }
+
+    /// Reads nodes and their first children, all at once, so that a search for which they are needed one after another does not wait
+    /// for the memory each time.
+    pub(crate) fn fetch(&self, nodes: impl Iterator<Item = u32> + Clone) {
+        let first_child = |node: u32| {
+            let branch = self.branches.get(node);
+            branch.map_or(0, |branch| branch.first_child)
         };
-        [known, own]
+        let mut sum = nodes.clone().fold(0, |sum, node| {
+            sum ^ first_child(node) ^ self.node(node).0 as u32
+        });
+        for node in nodes {
+            let first = first_child(node);
+            // Two lines of the memory have most children.
+            sum ^= first_child(first) ^ first_child(first + 8);
+            sum ^= self.node(first).0 as u32;
+        }
+        std::hint::black_box(sum);
+    }
+
+    #[cold]
+    fn own_branch(&self, index: u32) -> Branch {
+        if index < OWN {
+            return self.node(index).branch(self.count, 0);
+        }
+        let children = self.own_children(index);
+        let symbols = children.clone().map(|child| self.node(child).symbol());
+        let letters = symbols.fold(0, |letters, symbol| letters | bit(symbol));
+        self.node(index).branch(children.start, letters)
+    }
+
+    /// Prepares the nodes for the decoder, with the words that follow others and their stored log-probabilities.
+    pub(super) fn prepare(
+        &mut self,
+        followers: impl Iterator<Item = (u32, u8)>,
+    ) -> Result<(), ModelError> {
+        let nodes = (0..self.count).map(|index| {
+            let node = self.node(index);
+            (node.branch(node.first_child(), 0), node.symbol())
+        });
+        self.branches = Branches::new(nodes, followers).ok_or(ModelError::Damaged(
+            "the order of the letters of the lexicon",
+        ))?;
+        Ok(())
     }
 
     fn own_children(&self, index: u32) -> Range<u32> {

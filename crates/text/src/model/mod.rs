@@ -9,10 +9,12 @@
 //! | 24 | 32 | the size of each section in bytes |
 //! | 56 | | alphabet, nodes, rows, entries, contexts, triples, states, arcs |
 //!
-//! Numbers are little-endian. [`Model::from_bytes`] checks the checksum and the order of every section; after that no look-up fails.
+//! Numbers are little-endian. [`Model::from_bytes`] checks the checksum and the order of every section; after that no look-up fails. It also
+//! makes eight bytes for each node, from which the decoder reads.
 
 pub mod alphabet;
 pub mod bigrams;
+pub(crate) mod branches;
 pub(crate) mod bytes;
 pub mod lexicon;
 mod own_words;
@@ -130,9 +132,12 @@ impl<'a> Model<'a> {
         ] = sections;
         let alphabet = Alphabet::read(letters)?;
         let symbols = alphabet.len();
+        let mut lexicon = Lexicon::read(nodes, symbols)?;
+        let bigrams = Bigrams::read([rows, entries, contexts, triples])?;
+        lexicon.prepare(bigrams.followers())?;
         Ok(Self {
-            lexicon: Lexicon::read(nodes, symbols)?,
-            bigrams: Bigrams::read([rows, entries, contexts, triples])?,
+            lexicon,
+            bigrams,
             spelling: Spelling::read(states, arcs, symbols)?,
             alphabet,
         })
