@@ -331,6 +331,14 @@ mod tests {
     }
 
     #[test]
+    fn releasing_everything_keeps_the_letter() {
+        let mut arbiter = arbiter();
+        tap_index(&mut arbiter, 0);
+        arbiter.release_all(Timestamp(100_000), &mut Events::new());
+        assert_eq!(tap_index(&mut arbiter, 200), "+A -A");
+    }
+
+    #[test]
     fn another_finger_may_tap_the_same_key_and_another_key_starts_over() {
         let mut arbiter = arbiter();
         tap_index(&mut arbiter, 0);
