@@ -227,6 +227,40 @@ mod tests {
     }
 
     #[test]
+    fn a_suppressed_one_shot_is_not_held_during_the_key_that_it_is_meant_for() {
+        let mut arbiter = KeyArbiter::default();
+        let meta = KeyAction::Modifier(key("MetaLeft"), Latch::OneShot);
+        assert_eq!(press(&mut arbiter, Side::Right, part(1), meta), "");
+        assert_eq!(release(&mut arbiter, part(1)), "");
+        let a = KeyAction::Key(key("A"));
+        let pressed = press(&mut arbiter, Side::Right, part(2), a);
+        assert_eq!(pressed, "+MetaLeft +A");
+        arbiter.suppress_key(key("MetaLeft"));
+        let b = KeyAction::Key(key("B"));
+        assert_eq!(
+            press(&mut arbiter, Side::Right, part(3), KeyAction::Clutch),
+            ""
+        );
+        assert_eq!(press(&mut arbiter, Side::Right, part(4), b), "+B");
+    }
+
+    #[test]
+    fn a_one_shot_comes_up_with_a_key_that_is_lost() {
+        let mut arbiter = KeyArbiter::default();
+        let shift = KeyAction::Modifier(key("ShiftLeft"), Latch::OneShot);
+        press(&mut arbiter, Side::Right, part(1), shift);
+        release(&mut arbiter, part(1));
+        let a = KeyAction::Key(key("A"));
+        let pressed = press(&mut arbiter, Side::Right, part(2), a);
+        assert_eq!(pressed, "+ShiftLeft +A");
+        let mut events = Events::new();
+        arbiter.cancel(|other| other == part(2));
+        arbiter.emit_changes(Timestamp(0), &mut events);
+        assert_eq!(words(&events), "-A -ShiftLeft");
+        assert!(arbiter.is_idle());
+    }
+
+    #[test]
     fn a_lost_hand_ends_what_it_has_locked_and_armed() {
         let mut arbiter = KeyArbiter::default();
         let control = KeyAction::Modifier(key("ControlLeft"), Latch::Lock);
