@@ -57,3 +57,23 @@ impl ClientSigns {
         self.has_released |= loss == ClientLoss::Hung;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::tests::key;
+
+    #[test]
+    fn a_probe_of_a_client_that_hangs_is_no_sign_of_life() {
+        let record = Arc::<SharedRecord>::default();
+        let mut signs = ClientSigns::new(Arc::clone(&record));
+        signs.receive(WatchdogMessage::KeyDown(key("A")));
+        signs.lose(ClientLoss::Hung);
+        signs.receive(WatchdogMessage::Probe);
+        assert!(record.is_client_lost());
+        assert_eq!(signs.timeout(), None, "it hangs already");
+        signs.receive(WatchdogMessage::Heartbeat);
+        assert!(!record.is_client_lost());
+        assert!(signs.timeout().is_some());
+    }
+}
