@@ -231,6 +231,8 @@ mod tests {
         /// A press of the dead client, which is executed after this number of releases.
         delayed_press: Option<(usize, KeyCode)>,
         reports_keys: bool,
+        /// A key whose release always fails.
+        refused: Option<KeyCode>,
         failures: usize,
         failed_queries: usize,
         removed: Vec<CharacterKey>,
@@ -243,6 +245,9 @@ mod tests {
             if state.failures > 0 {
                 state.failures -= 1;
                 return Err("gone".into());
+            }
+            if state.refused == Some(key) {
+                return Err("refused".into());
             }
             state.releases += 1;
             state.pressed.release(key);
@@ -317,6 +322,50 @@ mod tests {
         let state = display.0.lock().unwrap();
         assert!(state.pressed.is_empty());
         assert_eq!(state.releases, 2);
+    }
+
+    #[test]
+    fn a_press_that_the_display_executes_while_the_client_hangs_is_released_too() {
+        let a = key("A");
+        let display = display(DisplayState {
+            delayed_press: Some((1, a)),
+            reports_keys: true,
+            ..DisplayState::default()
+        });
+        let (thread, record) = start(&display, &[WatchdogMessage::KeyDown(a)]);
+        thread.release();
+        wait_until("a second release", || {
+            display.0.lock().unwrap().releases == 2
+        });
+        record.lock().apply(WatchdogMessage::KeyUp(a));
+        assert!(thread.finish());
+        assert!(display.0.lock().unwrap().pressed.is_empty());
+    }
+
+    #[test]
+    fn a_key_that_the_display_refuses_costs_neither_the_others_nor_the_keymap() {
+        let (a, b) = (key("A"), key("B"));
+        let mut pressed = PressedKeys::default();
+        pressed.press(b);
+        let display = display(DisplayState {
+            pressed,
+            refused: Some(a),
+            ..DisplayState::default()
+        });
+        let added = CharacterKey {
+            code: 93,
+            keysym: 0xf1,
+        };
+        let messages = [
+            WatchdogMessage::CharacterKey(added, KeymapChange::Added),
+            WatchdogMessage::KeyDown(b),
+            // The last pressed key is released first.
+            WatchdogMessage::KeyDown(a),
+        ];
+        assert!(!start(&display, &messages).0.finish());
+        let state = display.0.lock().unwrap();
+        assert!(state.pressed.is_empty());
+        assert_eq!(state.removed, [added]);
     }
 
     #[test]
