@@ -192,6 +192,26 @@ fn a_chord_key_can_be_a_tap_hold_key() {
 }
 
 #[test]
+fn a_chord_that_waits_for_its_hold_presses_nothing_once_a_finger_is_lost() {
+    let keys = r#"rows: [(at_mm: (0, 0), keys: "J K", pitch_mm: 30)], keys: [(code: "A", at_mm: (0, 30))]"#;
+    let chords = r#"chords: [(keys: "J K", action: Key("Escape"), hold: (code: "ShiftLeft"))]"#;
+    let play = |end: &str| {
+        let script = format!(
+            "index J up & middle K up; index J down & middle K down; wait 60; {end}; wait 400"
+        );
+        simulate_layout(keys, chords, &script)
+    };
+    assert_eq!(play("index J up & middle K up"), "dn:Escape up:Escape");
+    assert_eq!(
+        play("wait 400; index J up & middle K up"),
+        "dn:ShiftLeft up:ShiftLeft"
+    );
+    for end in ["hide index", "doubt middle", "index A down"] {
+        assert_eq!(play(end), "", "{end}");
+    }
+}
+
+#[test]
 fn a_chord_is_in_the_layer_of_a_tap_hold_key_that_it_turns_into_a_hold() {
     let keys = r#"rows: [(at_mm: (0, 0), keys: "J K", pitch_mm: 30)],
         keys: [(code: "F", hold: (layer: "move"), at_mm: (0, 30))]"#;
