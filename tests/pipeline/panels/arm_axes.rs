@@ -45,6 +45,17 @@ fn pose(time: u64, side: Side, (wrist, turn): (Vec3, Rot3), finger: Vec3) -> Han
 
 /// Plays a straight hand at rest, the same with the clutch held, and a hand that has moved; returns the axes off zero.
 fn play(mode: &str, side: Side, moved: (Vec3, Rot3), finger: Vec3) -> Vec<(Axis, f32)> {
+    let [before, _] = play_until_jump(mode, side, moved, finger);
+    before
+}
+
+/// Plays as [`play`] does, and then a hand that jumps. Returns the axes before and in that step.
+fn play_until_jump(
+    mode: &str,
+    side: Side,
+    moved: (Vec3, Rot3),
+    finger: Vec3,
+) -> [Vec<(Axis, f32)>; 2] {
     let layout = Layout::parse(&layout(mode), "t.ron").unwrap_or_else(|error| panic!("{error}"));
     let mut devices = layout.devices();
     let (mut events, mut commands) = (Events::new(), TimedCommands::new());
@@ -56,11 +67,18 @@ fn play(mode: &str, side: Side, moved: (Vec3, Rot3), finger: Vec3) -> Vec<(Axis,
         (start, Vec3::ZERO, 0.0),
         (start, Vec3::ZERO, 60.0),
         (end, finger, 60.0),
+        (end, finger, 60.0),
     ];
+    let last = steps.len() - 1;
+    let mut before_jump = 0;
     for (index, (place, fingertip, ring)) in steps.into_iter().enumerate() {
         let mut angles = JointAngles::default();
         angles.set(Dof::RingMcpFlexion, f64::to_radians(ring));
-        let pose = pose(index as u64 * 10_000, side, place, fingertip);
+        let mut pose = pose(index as u64 * 10_000, side, place, fingertip);
+        if index == last {
+            before_jump = events.len();
+            pose.jumped = true;
+        }
         let input = DeviceInput {
             scene: &layout.scene,
             bends: &Default::default(),
@@ -83,7 +101,9 @@ fn play(mode: &str, side: Side, moved: (Vec3, Rot3), finger: Vec3) -> Vec<(Axis,
         EventKind::Axis(axis, value) => (axis, value),
         other => panic!("{other:?}"),
     };
-    events.iter().map(|event| axis(event.kind)).collect()
+    let axes: Vec<_> = events.iter().map(|event| axis(event.kind)).collect();
+    let (before, after) = axes.split_at(before_jump);
+    [before.to_vec(), after.to_vec()]
 }
 
 fn axes(moved: (Vec3, Rot3)) -> Vec<(Axis, f32)> {
@@ -134,6 +154,16 @@ fn a_motion_may_deflect_every_axis() {
     let moved = play(&mode, Side::Right, up, Vec3::ZERO);
     let expected: Vec<_> = Axis::ALL.iter().map(|axis| (*axis, 0.5)).collect();
     assert_eq!(moved, expected);
+}
+
+#[test]
+fn the_axes_are_centered_when_the_hand_jumps() {
+    let mode = format!("point: Wrist, axes: [{AXES}], dead_zone: 0");
+    let up = (Vec3::new(0.0, 0.05, 0.0), Rot3::IDENTITY);
+    let [moved, jumped] = play_until_jump(&mode, Side::Right, up, Vec3::ZERO);
+    assert!(!moved.is_empty());
+    let centered: Vec<_> = moved.iter().map(|&(axis, _)| (axis, 0.0)).collect();
+    assert_eq!(jumped, centered);
 }
 
 #[test]
