@@ -345,7 +345,9 @@ impl PageSession {
     }
 
     fn step(&mut self, reading: &Reading) {
-        self.words.keep(reading);
+        if !matches!(self.hand, Hand::Resting) {
+            self.words.keep(reading);
+        }
         let mut events = Events::new();
         let is_accepted = self.pipeline.step(reading, &mut events).is_ok();
         let output = self.pipeline.output_for(reading);

@@ -8,9 +8,10 @@ use ademan_core::device::Events;
 use ademan_core::layout::Layout;
 use ademan_core::pipeline::{LayoutInstance, PressFilter, TextState};
 use ademan_core::time::Timestamp;
+use ademan_lab::sim::Tremor;
 use serde::Serialize;
 
-use crate::hand::Hand;
+use crate::hand::{Hand, PERIOD};
 use crate::session::PageSession;
 
 /// Returns the text decoder for a layout in a mode; `None` if the layout has too few letters.
@@ -23,8 +24,9 @@ pub type DecoderOf = Box<dyn Fn(&Layout, TextMode) -> Option<Box<dyn PressFilter
 pub(crate) struct Words {
     decoder: Option<DecoderOf>,
     mode: Option<TextMode>,
-    /// The latest reading, if there is a decoder.
+    /// The latest reading of hands that moved, if there is a decoder.
     latest: Option<Reading>,
+    tremor: Tremor,
     /// The state that the page knows.
     told: Option<TextState>,
 }
@@ -81,15 +83,17 @@ impl PageSession {
     }
 
     /// Returns the latest reading once more, at a time, while candidates wait below hands that rest: the decoder takes a candidate with
-    /// a reading.
-    pub(crate) fn held_reading(&self, time: Timestamp) -> Option<Reading> {
+    /// a reading. Its positions tremble, as a hand whose positions are repeated exactly would be lost.
+    pub(crate) fn held_reading(&mut self, time: Timestamp) -> Option<Reading> {
         let is_waiting = matches!(self.hand, Hand::Resting)
             && self
                 .pipeline
                 .text_state()
                 .is_some_and(|state| !state.candidates.is_empty());
         let latest = self.words.latest.as_ref().filter(|_| is_waiting)?;
-        Some(Reading::new(time, latest.side, latest.sample.clone()))
+        let mut sample = latest.sample.clone();
+        self.words.tremor.add_to(&mut sample, PERIOD.as_secs_f64());
+        Some(Reading::new(time, latest.side, sample))
     }
 
     /// Appends the candidates, if they have changed.

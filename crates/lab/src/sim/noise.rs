@@ -42,17 +42,6 @@ impl Noise {
                     angles.set(dof, radians + self.value().to_radians());
                 }
             }
-            Sample::Joints { positions } => {
-                for (joint, position) in positions.clone().known() {
-                    positions.set(joint, position + self.offset());
-                }
-            }
-            Sample::Body(body) => {
-                for landmark in &mut body.points {
-                    let position = Vec3::from_array(landmark.position) + self.offset().as_vec3();
-                    landmark.position = position.to_array();
-                }
-            }
             Sample::Bones { bones } => {
                 for arm in [&mut bones.left, &mut bones.right] {
                     for (bone, rotation) in arm.clone().known() {
@@ -61,10 +50,8 @@ impl Noise {
                     }
                 }
             }
-            Sample::Displacement { displacement } => {
-                let rotation = displacement.rotation().unwrap_or_default();
-                let translation = displacement.translation() + self.offset().as_vec3();
-                *displacement = Displacement::new(displacement.joint, translation, rotation);
+            Sample::Joints { .. } | Sample::Body(_) | Sample::Displacement { .. } => {
+                displace(sample, || self.offset());
             }
         }
     }
@@ -76,6 +63,29 @@ impl Noise {
 
     fn vector(&mut self) -> DVec3 {
         DVec3::new(self.value(), self.value(), self.value())
+    }
+}
+
+/// Displaces each position of a sample by the next offset, in metres. A sample without positions stays.
+pub(super) fn displace(sample: &mut Sample, mut offset: impl FnMut() -> DVec3) {
+    match sample {
+        Sample::Channels(_) | Sample::Angles { .. } | Sample::Bones { .. } => {}
+        Sample::Joints { positions } => {
+            for (joint, position) in positions.clone().known() {
+                positions.set(joint, position + offset());
+            }
+        }
+        Sample::Body(body) => {
+            for landmark in &mut body.points {
+                let position = Vec3::from_array(landmark.position) + offset().as_vec3();
+                landmark.position = position.to_array();
+            }
+        }
+        Sample::Displacement { displacement } => {
+            let rotation = displacement.rotation().unwrap_or_default();
+            let translation = displacement.translation() + offset().as_vec3();
+            *displacement = Displacement::new(displacement.joint, translation, rotation);
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use parry3d::math::Vec3;
 
+use super::tremor::Tremor;
 use super::typing_hand::TypingHand;
 use crate::capture::Sample;
 use crate::hand::{Finger, Side};
@@ -41,6 +42,7 @@ pub struct PointerHand {
     is_pressing: bool,
     /// `true` if the finger rises before a new press, as it would slide into a key from the side.
     is_rising: bool,
+    tremor: Tremor,
 }
 
 impl PointerHand {
@@ -55,6 +57,7 @@ impl PointerHand {
             pad: None,
             is_pressing: false,
             is_rising: false,
+            tremor: Tremor::default(),
         }
     }
 
@@ -105,9 +108,10 @@ impl PointerHand {
         if let Some(pointed) = self.pointed {
             self.approach(&pointed, seconds);
         }
-        Sample::Joints {
-            positions: self.pose().positions(),
-        }
+        let positions = self.pose().positions();
+        let mut sample = Sample::Joints { positions };
+        self.tremor.add_to(&mut sample, f64::from(seconds));
+        sample
     }
 
     fn approach(&mut self, pointed: &Pointed, seconds: f32) {
@@ -144,5 +148,22 @@ impl PointerHand {
         self.pad = Some((point, height));
         let tip = point + pointed.normal * (height + radius);
         self.hand.reach(tip, &mut self.values, &[]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinematics::BoneLengths;
+
+    #[test]
+    fn a_hand_that_keeps_still_does_not_repeat_its_positions_for_5_s() {
+        let bones = BoneLengths::from_hand_and_forearm(0.18, 0.25).expect("lengths");
+        let arm = ArmModel::anthropometric(Side::Right, &bones).expect("an arm");
+        let mut hand = PointerHand::new(&arm);
+        let first = hand.advance(0.01);
+        let changed = (1..=500).find(|_| hand.advance(0.01) != first);
+        assert!(changed.is_some());
+        assert_eq!(hand.advance(0.01), first);
     }
 }

@@ -13,6 +13,7 @@ use super::noise::Noise;
 use super::planner;
 use super::sensor::{BodyPosture, JointSensor, Sensor};
 use super::settings::TypistSettings;
+use super::tremor::Tremor;
 use super::typing_hand::TypingHand;
 use super::unsteadiness::Unsteadiness;
 use crate::capture::{MAX_CHANNELS, Sample};
@@ -47,6 +48,7 @@ pub(super) struct SimulatedHand {
     /// Time between two samples.
     period: Duration,
     sensor: HandSensor,
+    tremor: Tremor,
     /// The angles of head and legs.
     body: BodyPosture,
 }
@@ -115,6 +117,7 @@ impl SimulatedHand {
             samples: 0,
             period: settings.packet_period,
             sensor,
+            tremor: Tremor::default(),
             body: BodyPosture::default(),
         })
     }
@@ -271,6 +274,8 @@ impl SimulatedHand {
             HandSensor::Joints(sensor, noise) => {
                 let mut sample = sensor.measure_with_body(self.hand.arm(), &angles, &self.body);
                 noise.add_to(&mut sample);
+                let period = self.period.as_secs_f64();
+                self.tremor.add_to(&mut sample, period);
                 sample
             }
         }
