@@ -52,9 +52,9 @@
 //!
 //! # Time and memory
 //!
-//! A tap takes 13 µs (median) at 3 mm of scatter and 110 µs at 10 mm with missed and spurious taps; with candidates, that is 0.06
-//! to 0.41 of a search for the nearest word of the same length in the flat list, in the same run (`benches/taps.rs`). A model is
-//! checked and prepared in 6 ms, and takes 2.6 MB (English) beside its bytes, once for all its copies. A tap allocates nothing. A
+//! A tap takes 12 µs (median) at 3 mm of scatter and 84 µs at 10 mm with missed and spurious taps; with candidates, that is 0.06
+//! to 0.35 of a search for the nearest word of the same length in the flat list, in the same run (`benches/taps.rs`). A model is
+//! checked and prepared in 6 to 9 ms, and takes 2.6 MB (English) beside its bytes, once for all its copies. A tap allocates nothing. A
 //! decoder has about 3 MB for hypotheses and their characters.
 
 pub mod logarithm;
