@@ -168,7 +168,7 @@ impl Beam {
                     };
                     self.next.push(next);
                     self.count(score);
-                    if 2 * self.next.len() > self.last_slot {
+                    if 2 * self.next.len() > self.last_slot + 1 {
                         self.grow();
                     }
                 }
@@ -247,6 +247,20 @@ mod tests {
         }
         let best: Vec<_> = beam.best().map(|next| (next.node(), next.score)).collect();
         let expected: Vec<_> = (0..1_500).map(|node| (node, score(node))).collect();
+        assert_eq!(best, expected);
+    }
+
+    #[test]
+    fn hypotheses_fill_half_of_a_table_that_cannot_grow_and_further_ones_are_dropped() {
+        let mut beam = Beam::new(100.0, 1_024);
+        assert_eq!(beam.slots.len(), 2 * beam.capacity);
+        beam.start(0.0);
+        for node in 0..5_000 {
+            beam.push(next(node, -1.0));
+        }
+        assert_eq!(beam.next.len(), beam.capacity);
+        let best: Vec<_> = beam.best().map(Next::node).collect();
+        let expected: Vec<u32> = (0..1_024).collect();
         assert_eq!(best, expected);
     }
 
