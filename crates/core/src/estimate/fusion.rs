@@ -126,11 +126,15 @@ impl FusedEstimator {
         self.estimate.lose_hand();
     }
 
-    /// Returns `true` if the sources of all parts that are not lost have repeated all positions for so long that it is not known where the
-    /// hand is. A part that a glove measures, or that moves, shows that the hand leaves a key.
+    /// Returns `true` if the sources of all parts that are seen have repeated all positions for so long that it is not known where the
+    /// hand is. A part that a glove measures, or that moves, shows that the hand leaves a key; a part that is not seen does not.
     pub(super) fn is_stuck(&self) -> bool {
-        let mut seen = self.parts.iter().filter(|it| it.seen.time().is_some());
-        seen.all(|part| part.estimator.is_stuck())
+        let is_seen = |part: &&Part| {
+            let is_placed = part.state().is_some_and(|state| state.is_placed);
+            is_placed && !part.estimator.has_lost_arm()
+        };
+        let mut seen = self.parts.iter().filter(is_seen).peekable();
+        seen.peek().is_some() && seen.all(|part| part.estimator.is_stuck())
     }
 
     /// Returns the parts of the hand that are not trusted because their readings are implausible.
@@ -420,6 +424,32 @@ mod tests {
         let mut hand = Hand::new(&[Dof::ElbowFlexion], &[Dof::IndexMcpFlexion]);
         hand.take_second(None);
         assert!(!hand.estimator.is_stuck());
+    }
+
+    #[test]
+    fn a_part_that_is_not_seen_does_not_hide_that_the_source_of_the_other_one_is_stuck() {
+        for (seen, is_stuck) in [
+            (Some(HandPart::Arm), true),
+            (Some(HandPart::Fingers), true),
+            (None, false),
+        ] {
+            let estimator = || Estimator::new(EstimatorSettings::default());
+            let timeout = Duration::from_millis(200);
+            let mut hand = FusedEstimator::new(estimator(), estimator(), timeout);
+            for number in 0..700_u64 {
+                let part = HandPart::ALL[number as usize % HandPart::COUNT];
+                let mut positions = JointPositions::default();
+                if number < 100 || seen == Some(part) {
+                    positions.set(Joint::Wrist, DVec3::Y);
+                    positions.set(Joint::IndexTip, DVec3::ZERO);
+                }
+                let time = Timestamp(1_000_000 + 10_000 * number);
+                let mut reading = Reading::new(time, None, Sample::Joints { positions });
+                reading.part = Some(part);
+                hand.update(&reading).expect("a plausible reading");
+            }
+            assert_eq!(hand.is_stuck(), is_stuck, "{seen:?}");
+        }
     }
 
     #[test]
