@@ -81,9 +81,7 @@ impl HandPipeline {
     /// again, the hand counts as re-acquired.
     pub(super) fn accept(&mut self, time: Timestamp) {
         let was_stuck = std::mem::replace(&mut self.is_stuck, self.estimator.is_stuck());
-        if self.is_suspended || self.is_stuck {
-            self.output.estimate.lose_hand();
-        }
+        self.lose_if_stopped();
         self.output.estimate.jumped |= was_stuck;
         self.last_accepted = Some(time);
         self.was_placed |= self.output.estimate.is_placed;
@@ -93,11 +91,21 @@ impl HandPipeline {
     pub(super) fn lose(&mut self, part: Option<HandPart>) {
         self.is_clear = false;
         match self.estimator.lose(part) {
-            Some(rest) => self.output.estimate = *rest,
+            Some(rest) => {
+                self.output.estimate = *rest;
+                self.lose_if_stopped();
+            }
             None => {
                 self.output.estimate.lose_hand();
                 self.last_accepted = None;
             }
+        }
+    }
+
+    /// Forgets the hand and its inputs if it is suspended or its source is stuck.
+    fn lose_if_stopped(&mut self) {
+        if self.is_suspended || self.is_stuck {
+            self.output.estimate.lose_hand();
         }
     }
 
@@ -113,5 +121,51 @@ impl HandPipeline {
 
     pub(super) fn side(&self) -> Side {
         self.arm.side()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::capture::{Reading, Sample};
+    use crate::document::Document;
+    use crate::estimate::{Estimator, EstimatorSettings, FusedEstimator};
+    use crate::hand::Dof;
+
+    #[test]
+    fn a_hand_that_is_suspended_or_stuck_stays_lost_when_one_of_its_sources_is_lost() {
+        let document = Document::shipped("unam").expect("a shipped arm");
+        let arm = ArmModel::parse(&document).expect("an arm");
+        let mut hands = [(true, false), (false, true), (false, false)].map(|stopped| {
+            let estimator = || Estimator::new(EstimatorSettings::default());
+            let timeout = Duration::from_millis(200);
+            let fused = FusedEstimator::new(estimator(), estimator(), timeout);
+            let mut hand = HandPipeline::new(fused, arm.clone());
+            for (part, dof) in [
+                (HandPart::Arm, Dof::ElbowFlexion),
+                (HandPart::Fingers, Dof::IndexMcpFlexion),
+            ] {
+                let mut angles = JointAngles::default();
+                angles.set(dof, 0.1);
+                let time = Timestamp(1_000_000 + 5_000 * part.index() as u64);
+                let mut reading = Reading::new(time, None, Sample::Angles { angles });
+                reading.part = Some(part);
+                let estimate = hand
+                    .estimator
+                    .update(&reading)
+                    .expect("a plausible reading");
+                hand.output.estimate = *estimate;
+                hand.accept(time);
+            }
+            (hand.is_suspended, hand.is_stuck) = stopped;
+            hand
+        });
+        let lost = hands.each_mut().map(|hand| {
+            hand.lose(Some(HandPart::Fingers));
+            hand.is_lost()
+        });
+        assert_eq!(lost, [true, true, false]);
     }
 }
