@@ -21,7 +21,9 @@ pub fn unit(vector: DVec3) -> Option<DVec3> {
 /// Returns the angle between two directions in radians, 0..=π; 0 if one is zero. The lengths do not matter.
 pub fn angle_between(first: DVec3, second: DVec3) -> f64 {
     let (first, second) = (of_moderate_length(first), of_moderate_length(second));
-    first.cross(second).length().atan2(first.dot(second))
+    // Without the sum, the product of a zero and a direction may be −0, which stands for half a turn.
+    let product = first.dot(second) + 0.0;
+    first.cross(second).length().atan2(product)
 }
 
 /// Returns a vector of the same direction whose products with others neither vanish nor overflow; the vector itself if its length
@@ -59,7 +61,9 @@ mod tests {
                 assert!((found - angle).abs() < 1e-12, "{length} {other}: {found}");
             }
         }
-        assert_eq!(angle_between(DVec3::ZERO, DVec3::X), 0.0);
+        for direction in [DVec3::X, DVec3::NEG_ONE] {
+            assert_eq!(angle_between(DVec3::ZERO, direction), 0.0);
+        }
         assert!(angle_between(DVec3::X, DVec3::NAN).is_nan());
     }
 
