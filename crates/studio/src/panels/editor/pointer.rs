@@ -14,7 +14,7 @@ pub(super) struct ButtonChange {
     pub modifiers: Modifiers,
 }
 
-/// Returns the presses and releases since the last frame.
+/// Returns the presses and releases since the last frame, without what precedes the cancellation of a touch.
 pub(super) fn changes(ui: &egui::Ui) -> Vec<ButtonChange> {
     let change = |event: &Event| match *event {
         Event::PointerButton {
@@ -29,7 +29,14 @@ pub(super) fn changes(ui: &egui::Ui) -> Vec<ButtonChange> {
         }),
         _ => None,
     };
-    ui.input(|input| input.events.iter().filter_map(change).collect())
+    ui.input(|input| {
+        let cancelled = input.events.iter().rposition(is_cancel);
+        let events = input
+            .events
+            .iter()
+            .skip(cancelled.map_or(0, |index| index + 1));
+        events.filter_map(change).collect()
+    })
 }
 
 /// Returns `true` while a button is down, and in the frame of its release.
@@ -65,16 +72,17 @@ pub(super) fn is_drag(from: Vec2, (point, scale): (Vec2, f32)) -> bool {
 
 /// Returns `true` if the system has taken a touch away, which releases no button.
 pub(super) fn is_touch_cancelled(ui: &egui::Ui) -> bool {
-    let is_cancel = |event: &Event| {
-        matches!(
-            event,
-            Event::Touch {
-                phase: TouchPhase::Cancel,
-                ..
-            }
-        )
-    };
     ui.input(|input| input.events.iter().any(is_cancel))
+}
+
+const fn is_cancel(event: &Event) -> bool {
+    matches!(
+        event,
+        Event::Touch {
+            phase: TouchPhase::Cancel,
+            ..
+        }
+    )
 }
 
 #[cfg(test)]
@@ -116,6 +124,25 @@ mod tests {
             window.panel().undo();
             assert_eq!(window.text(), TWO_KEYS);
         }
+    }
+
+    #[test]
+    fn a_touch_that_begins_and_is_cancelled_in_one_frame_moves_nothing() {
+        let mut window = Window::open();
+        let [from, to] = [0.0, 30.0].map(|y| window.at(0.0, y));
+        let cancelled = Event::Touch {
+            device_id: egui::TouchDeviceId(0),
+            id: egui::TouchId(0),
+            phase: TouchPhase::Cancel,
+            pos: from,
+            force: None,
+        };
+        let moved = Event::PointerMoved;
+        draw(&mut window, &[&[moved(from)]]);
+        draw(&mut window, &[&[button(from, true), cancelled]]);
+        assert!(!window.panel().is_dragging_on_canvas());
+        draw(&mut window, &[&[moved(to)], &[button(to, false)]]);
+        assert_eq!(window.text(), TWO_KEYS);
     }
 
     #[test]
