@@ -53,7 +53,8 @@ impl Tier {
         }
     }
 
-    /// Sets the scatter, the offset and the faults of a person to the values of the tier. `direction` is the direction of the offset, in radians.
+    /// Sets the scatter, the offset and the faults of a person to the values of the tier. `direction` is the direction of the offset, in
+    /// radians.
     pub(super) fn apply(self, person: &mut Participant, direction: f64) {
         let offset = match self {
             Self::Toff => OFFSET,

@@ -107,7 +107,8 @@ pub(super) fn show(
     show_errors(ui, area, context.model.shapes.errors(), background);
 }
 
-/// Moves the fingertip with the mouse, if the mouse is a fingertip. Returns `true` if the button that is down is for the fingertip, not the camera.
+/// Moves the fingertip with the mouse, if the mouse is a fingertip. Returns `true` if the button that is down is for the fingertip, not
+/// the camera.
 fn follow_mouse(
     ui: &egui::Ui,
     area: Rect,

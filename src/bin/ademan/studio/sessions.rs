@@ -134,7 +134,8 @@ impl Sessions {
         }
     }
 
-    /// Stops the pending session. A session on the previous setup starts after it has ended, because only one of them can open a serial port.
+    /// Stops the pending session. A session on the previous setup starts after it has ended, because only one of them can open a serial
+    /// port.
     /// A session that has returned to the previous setup already continues.
     fn cancel(&self) -> Result<Option<StudioApp>, Failure> {
         let Some(mut pending) = self.pending.take() else {
