@@ -31,7 +31,8 @@ fn hand(height: f64) -> JointPositions {
     positions
 }
 
-/// Returns lines of a hand that trembles above the key for 1 s, holds it for 8 s in which all positions repeat, and trembles above it again.
+/// Returns lines of a hand that trembles above the key for 1 s, holds it for 8 s in which all positions repeat, and trembles above it
+/// again.
 fn lines() -> String {
     let lines = (0..600_u64).map(|number| {
         let tremor = 1e-5 * (number % 2) as f64;
@@ -58,8 +59,9 @@ fn a_key_that_a_stuck_tracker_holds_is_released_and_a_message_says_why_live_and_
     let typed = run([&["run", "--output", "transcript"][..], &with].concat()).done();
     assert_eq!(keys(&typed.out), ["down J", "up J"], "{}", typed.err);
     typed.reported(
-        "the tracker of the right hand has repeated exactly the same positions for 5 s: what it held is released, and it touches \
-         nothing until the hand moves; if it does not move then, check the camera and restart its tracker\n",
+        "the tracker of the right hand has repeated exactly the same positions for 5 s: what the hand held is released, and it \
+         touches nothing until the positions change; if they stay the same while you move the hand, check the camera and restart \
+         the tracker\n",
     );
     typed.reported("the right hand is tracked again\n");
     let is_blamed = typed.err.contains("check its wire");

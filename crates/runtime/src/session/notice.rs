@@ -332,8 +332,9 @@ fn write_lost(f: &mut fmt::Formatter<'_>, side: Side, loss: HandLoss) -> fmt::Re
         HandLoss::NotSeen => write!(f, "the {side} hand is not tracked: {released}"),
         HandLoss::Stuck => write!(
             f,
-            "the tracker of the {side} hand has repeated exactly the same positions for 5 s: {released} until the hand moves; if it \
-             does not move then, check the camera and restart its tracker"
+            "the tracker of the {side} hand has repeated exactly the same positions for 5 s: what the hand held is released, and it \
+             touches nothing until the positions change; if they stay the same while you move the hand, check the camera and restart \
+             the tracker"
         ),
         HandLoss::TooFast => write!(
             f,
