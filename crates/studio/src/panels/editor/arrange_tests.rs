@@ -119,6 +119,24 @@ fn a_click_on_the_handle_of_a_bend_changes_nothing_and_a_drag_bends() {
 }
 
 #[test]
+fn a_bend_ends_at_its_release_near_the_handle_too_when_few_frames_are_drawn() {
+    let [slow, smooth] = [false, true].map(|is_smooth| {
+        let mut window = on_arc();
+        let handle = canvas::bend_handle(window.panel()).unwrap();
+        let from = window.at(handle.x, handle.y);
+        start_drag(&mut window, from, vec2(0.0, 40.0));
+        let end = from + vec2(0.0, 8.0);
+        if is_smooth {
+            window.event(Event::PointerMoved(end));
+        }
+        window.button(end, false);
+        window.text()
+    });
+    assert_ne!(smooth, ARC);
+    assert_eq!(slow, smooth);
+}
+
+#[test]
 fn a_key_is_repeated_along_an_arc_from_the_menu_in_one_step_of_undo() {
     let mut window = Window::open();
     window.click_board(0.0);

@@ -217,7 +217,7 @@ fn end_drag(
     modifiers: egui::Modifiers,
 ) {
     if panel.dragged_radius.is_some() {
-        if !is_at_bend_handle(panel, (point, scale)) {
+        if panel.dragged_radius != panel.items.radius || !is_at_bend_handle(panel, (point, scale)) {
             drag_bend(panel, point);
         }
         end_bend(panel);
