@@ -115,6 +115,11 @@ impl Bounds {
     pub fn touches(self, other: Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
+
+    /// Returns `true` if the other rectangle is within this one.
+    pub fn encloses(self, other: Self) -> bool {
+        self.min.cmple(other.min).all() && self.max.cmpge(other.max).all()
+    }
 }
 
 impl ItemShape {

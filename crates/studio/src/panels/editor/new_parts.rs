@@ -259,7 +259,7 @@ impl EditorPanel {
         let added = Bounds::around(shapes.iter().map(|(_, shape)| shape));
         let seen = self.viewport.visible(self.canvas_size);
         if let (Some(added), Some(seen)) = (added, seen)
-            && !(seen.min.cmple(added.min).all() && seen.max.cmpge(added.max).all())
+            && !seen.encloses(added)
         {
             self.zoom_to_selection();
         }

@@ -9,6 +9,7 @@ use parry3d::math::Vec2;
 use super::super::{PanelContext, look, space};
 use super::plan_drag::{self, PlanDrag};
 use super::{EditorPanel, canvas, free_view, palette, pointer, rulers};
+use crate::canvas::Bounds;
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::Preview;
 use crate::canvas::plan::gesture::{self, PlanGesture};
@@ -179,20 +180,21 @@ impl EditorPanel {
         *self.plan.viewport() = AreaViewport::default();
     }
 
+    /// Returns the extent of the selected items in the picture.
+    fn selected_extent(&self) -> Option<Bounds> {
+        let (plan, selection) = (&self.plan.plan, self.editor.selection());
+        plan.extent(self.plan.view, |part| selection.contains(&part))
+    }
+
     /// Shows everything if something was added that is not in the picture. It is selected.
     fn show_added_in_plan(&mut self) {
         if !mem::take(&mut self.plan.has_added) {
             return;
         }
-        let (view, size) = (self.plan.view, self.plan.size);
-        let selection = self.editor.selection();
-        let added = self
-            .plan
-            .plan
-            .extent(view, |part| selection.contains(&part));
+        let (added, size) = (self.selected_extent(), self.plan.size);
         let seen = self.plan.viewport().visible(size);
         if let (Some(added), Some(seen)) = (added, seen)
-            && !(seen.min.cmple(added.min).all() && seen.max.cmpge(added.max).all())
+            && !seen.encloses(added)
         {
             self.show_all_in_plan();
         }
@@ -200,14 +202,9 @@ impl EditorPanel {
 
     /// Shows the selected items as large as they fit, or everything without any.
     pub(super) fn zoom_to_selection_in_plan(&mut self) {
-        let (view, size) = (self.plan.view, self.plan.size);
-        let selection = self.editor.selection();
-        let bounds = self
-            .plan
-            .plan
-            .extent(view, |part| selection.contains(&part));
-        let chosen = bounds
-            .zip(size)
+        let chosen = self
+            .selected_extent()
+            .zip(self.plan.size)
             .map(|(bounds, size)| AreaViewport::fixed(Viewport::fit(bounds, size)));
         *self.plan.viewport() = chosen.unwrap_or_default();
     }
