@@ -331,9 +331,9 @@ fn the_webcam_mouse_clicks_with_the_left_and_the_right_button_drags_and_scrolls(
             .iter()
             .filter(|it| matches!(it, EventKind::MoveBy(..)));
         assert_eq!(moves.count(), 0, "{events:?}");
-        let turns = events.iter().map(|event| match event {
-            EventKind::Scroll(_, up) => *up,
-            _ => 0,
+        let turns = events.iter().filter_map(|event| match event {
+            EventKind::Scroll(_, up) => Some(*up),
+            _ => None,
         });
         turns.sum::<i32>()
     };

@@ -310,14 +310,19 @@ mod tests {
         (thread.unwrap(), record)
     }
 
+    /// Returns a display that executes a press after its first release.
+    fn display_with_late_press(key: KeyCode) -> TestDisplay {
+        display(DisplayState {
+            delayed_press: Some((1, key)),
+            reports_keys: true,
+            ..DisplayState::default()
+        })
+    }
+
     #[test]
     fn a_press_that_the_display_executes_after_the_release_is_released_too() {
         let a = key("A");
-        let display = display(DisplayState {
-            delayed_press: Some((1, a)),
-            reports_keys: true,
-            ..DisplayState::default()
-        });
+        let display = display_with_late_press(a);
         start(&display, &[WatchdogMessage::KeyDown(a)]).0.finish();
         let state = display.0.lock().unwrap();
         assert!(state.pressed.is_empty());
@@ -327,11 +332,7 @@ mod tests {
     #[test]
     fn a_press_that_the_display_executes_while_the_client_hangs_is_released_too() {
         let a = key("A");
-        let display = display(DisplayState {
-            delayed_press: Some((1, a)),
-            reports_keys: true,
-            ..DisplayState::default()
-        });
+        let display = display_with_late_press(a);
         let (thread, record) = start(&display, &[WatchdogMessage::KeyDown(a)]);
         thread.release();
         wait_until("a second release", || {
