@@ -71,7 +71,7 @@ pub struct Touches {
     correlations: Correlations,
     tap: Millimetres,
     near: Vec<Near>,
-    /// Those of them that type punctuation or an apostrophe.
+    /// The near keys that type punctuation or an apostrophe.
     marks: Vec<Near>,
     likeliest: f32,
     /// The score of the tap if it means nothing, without its cost.
@@ -80,7 +80,8 @@ pub struct Touches {
     separator: f32,
     /// An upper bound, by letter, of the log-likelihood of the tap for any hypothesis that counts.
     bounds: Vec<f32>,
-    /// The letters whose bound is at most so many steps below the largest one; none at 0, all with a key at the end.
+    /// By a number of steps: the letters whose bound is at most that far below the largest bound. The first entry has none, the last one
+    /// all letters with a key.
     reachable: [Letters; STEPS],
     /// The largest bound.
     largest: f32,
@@ -302,7 +303,7 @@ impl Touches {
         &self.near
     }
 
-    /// Returns those of them that type punctuation or an apostrophe.
+    /// Returns the keys near the tap that type punctuation or an apostrophe.
     pub fn marks(&self) -> &[Near] {
         &self.marks
     }
